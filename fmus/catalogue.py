@@ -1,0 +1,73 @@
+"""Where the blocks' FMUs are: built on installation, rebuilt when a source has changed."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from functools import cache
+from pathlib import Path
+
+import platformdirs
+
+PACKAGE = Path(__file__).parent
+STAMP = "sources.sha256"
+NAMES = ("carbody", "truck", "wheelrail", "track")
+
+
+@cache
+def source_hash() -> str:
+    """SHA-256 of all that an FMU is made from: the files of this package."""
+    digest = hashlib.sha256()
+    for path in sorted(PACKAGE.rglob("*")):
+        place = path.relative_to(PACKAGE)
+        if path.is_file() and place.parts[0] != "built" and "__pycache__" not in place.parts:
+            digest.update(place.as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
+
+
+def fmu_path(name: str) -> Path:
+    """Path of the up-to-date FMU of a block; builds the FMUs when the sources have changed.
+
+    Raises KeyError for an unknown block, CompileError when a build is needed and fails.
+    """
+    if name not in NAMES:
+        raise KeyError(f"no block is called {name!r}; the blocks are {', '.join(NAMES)}")
+    return folder() / f"{name}.fmu"
+
+
+@cache
+def folder() -> Path:
+    """Folder with the up-to-date FMUs of this machine's platform."""
+    own = PACKAGE / "built"
+    places = [own, platformdirs.user_cache_path("tracktrain") / source_hash()[:16]]
+    for place in places:
+        if _is_current(place):
+            return place
+    place = own if os.access(PACKAGE, os.W_OK) else places[1]
+    build_into(place)
+    return place
+
+
+def build_into(place: Path) -> None:
+    """Build all FMUs into the folder and stamp it with the hash of the sources."""
+    from .export import build
+
+    stamp = place / STAMP
+    stamp.unlink(missing_ok=True)
+    build(place)
+    stamp.write_text(_stamp())
+
+
+def _is_current(place: Path) -> bool:
+    try:
+        return (place / STAMP).read_text() == _stamp() and all(
+            (place / f"{name}.fmu").exists() for name in NAMES
+        )
+    except OSError:
+        return False
+
+
+def _stamp() -> str:
+    import platform
+
+    return f"{source_hash()} {platform.system()} {platform.machine()}\n"

@@ -1,0 +1,93 @@
+"""Builds FMUs: the files of one archive, compiled, zipped, the same bytes on every build."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+import zipfile
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from .. import BLOCKS
+from ..block import Block
+from ..parameters import DEFAULT_SET, parameter_set
+from . import code
+from .compiler import FLAGS, Target, compile_library, host_target
+from .description import model_description
+from .documentation import documentation
+
+VERSION = "0.1.0"
+NO_GUID = "{00000000-0000-0000-0000-000000000000}"
+EPOCH = (1980, 1, 1, 0, 0, 0)
+
+
+def build(out: Path, names: Iterable[str] | None = None) -> dict[str, Path]:
+    """Write NAME.fmu for each block into the folder, for this machine; returns their paths.
+
+    Raises CompileError, or OSError for a folder that cannot be written.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    return {name: build_block(BLOCKS[name](), out) for name in names or BLOCKS}
+
+
+def build_block(block: Block, out: Path, target: Target | None = None) -> Path:
+    """Write one block's FMU into the folder and return its path."""
+    target = target or host_target()
+    parameters = parameter_set(DEFAULT_SET)
+    start = parameters.values(block)
+    guid = _guid(block, start)
+    files: dict[str, bytes] = {
+        "modelDescription.xml": model_description(block, start, guid, VERSION).encode(),
+        "documentation/index.html": documentation(block, parameters, start).encode(),
+        "documentation/licenses/license.txt": _licence().encode(),
+    }
+    sources = code.sources(block, start, guid)
+    for name, text in sources.items():
+        files[f"sources/{name}"] = text.encode()
+    library = f"{block.name}{target.suffix}"
+    files[f"binaries/{target.folder}/{library}"] = _compiled(sources, library, target)
+    path = out / f"{block.name}.fmu"
+    _write_archive(path, files)
+    return path
+
+
+def _guid(block: Block, start: Mapping[str, float]) -> str:
+    """A GUID that changes with the description, the sources or the compiler's flags."""
+    digest = hashlib.sha256(model_description(block, start, NO_GUID, VERSION).encode())
+    for name, text in sorted(code.sources(block, start, NO_GUID).items()):
+        digest.update(name.encode() + b"\0" + text.encode())
+    digest.update(" ".join(FLAGS).encode())
+    h = digest.hexdigest()
+    return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
+
+
+def _compiled(sources: Mapping[str, str], library: str, target: Target) -> bytes:
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for file, text in sources.items():
+            (folder / file).write_text(text)
+        out = folder / library
+        compile_library(sorted(folder.glob("*.c")), out, target)
+        return out.read_bytes()
+
+
+def _licence() -> str:
+    return (Path(__file__).parent / "license.txt").read_text()
+
+
+def _write_archive(path: Path, files: Mapping[str, bytes]) -> None:
+    """Zip with fixed times and order; the file appears whole or not at all."""
+    descriptor, name = tempfile.mkstemp(dir=path.parent, suffix=".part")
+    try:
+        with os.fdopen(descriptor, "wb") as stream, zipfile.ZipFile(stream, "w") as archive:
+            for file in sorted(files, key=lambda name: (name != "modelDescription.xml", name)):
+                info = zipfile.ZipInfo(file, date_time=EPOCH)
+                info.compress_type = zipfile.ZIP_DEFLATED
+                info.external_attr = 0o644 << 16
+                archive.writestr(info, files[file])
+        Path(name).chmod(0o644)
+        os.replace(name, path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise

@@ -1,0 +1,134 @@
+"""C of one block: its equations as CasADi generates them, and the tables that the core reads."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import casadi as ca
+
+from ..block import Block, Parameter
+
+NATIVE = Path(__file__).parent / "native"
+TABLE_SLOTS = 16
+"""Pages of a table that an instance keeps: more than the car's length spans."""
+
+
+def sources(block: Block, start: Mapping[str, float], guid: str) -> dict[str, str]:
+    """All C files of the FMU by name. start: parameter values [SI]."""
+    files = {path.name: path.read_text() for path in sorted(NATIVE.glob("*.[ch]"))}
+    files["equations.h"] = _equations(block)
+    files["block.h"] = _counts(block, guid)
+    files["block.c"] = _variables(block, start)
+    return files
+
+
+def generated_functions(block: Block) -> dict[str, ca.Function]:
+    """The functions that go into the FMU, by the name that the core calls."""
+    f = block.functions
+    functions = {
+        name: getattr(f, name)
+        for name in (
+            "derived",
+            "initial",
+            "largest_step",
+            "step",
+            "stations",
+            "outputs",
+            "outputs_forward",
+        )
+    }
+    if block.table:
+        functions["page"] = block.table.page
+    else:
+        del functions["stations"]
+    return functions
+
+
+def _equations(block: Block) -> str:
+    generator = ca.CodeGenerator("equations.c", {"include_math": True})
+    for name, function in generated_functions(block).items():
+        if function.name() != name:
+            raise ValueError(f"the function {function.name()!r} must be called {name!r}")
+        generator.add(function)
+    with tempfile.TemporaryDirectory() as folder:
+        generator.generate(folder + "/")
+        text = (Path(folder) / "equations.c").read_text()
+    return _without_queries(text)
+
+
+def _without_queries(text: str) -> str:
+    """The code less CasADi's functions about functions (sparsity, names), which nothing calls."""
+    query = re.compile(
+        r"CASADI_SYMBOL_EXPORT [^\n]*\b\w+_(?:alloc_mem|init_mem|free_mem|checkout|release|incref|"
+        r"decref|n_in|n_out|default_in|name_in|name_out|sparsity_in|sparsity_out|work|work_bytes)"
+        r"\([^\n]*\) ?\{(?:[^\n]*\}|\n.*?\n\})\n",
+        re.DOTALL,
+    )
+    return re.sub(r"\n{3,}", "\n\n", query.sub("", text))
+
+
+def _counts(block: Block, guid: str) -> str:
+    functions = generated_functions(block).values()
+    table = block.table
+    numbers = {
+        "N_PARAMETERS": len(block.parameters),
+        "N_INPUTS": len(block.inputs),
+        "N_OUTPUTS": len(block.outputs),
+        "N_STATES": len(block.states),
+        "N_DERIVED": block.functions.derived.numel_out(0),
+        "TABLE_STATIONS": table.station_count if table else 0,
+        "TABLE_VALUES": table.values if table else 0,
+        "TABLE_NODES": table.nodes_per_page if table else 1,
+        "TABLE_PAGE_SIZE": table.values * table.nodes_per_page if table else 0,
+        "TABLE_ROWS": table.rows if table else 0,
+        "TABLE_SLOTS": TABLE_SLOTS if table else 1,
+        "WORK_ARG": max(f.sz_arg() for f in functions),
+        "WORK_RES": max(f.sz_res() for f in functions),
+        "WORK_IW": max(f.sz_iw() for f in functions),
+        "WORK_W": max(f.sz_w() for f in functions),
+    }
+    lines = [f"#define {name} {value}" for name, value in numbers.items()]
+    if table:
+        lines.append(f"#define TABLE_SPACING {table.spacing!r}")
+    return (
+        f"/* Generated from the block {block.name!r}. */\n#ifndef BLOCK_H\n#define BLOCK_H\n"
+        f'#define GUID "{guid}"\n' + "\n".join(lines) + "\n#endif\n"
+    )
+
+
+def _variables(block: Block, start: Mapping[str, float]) -> str:
+    rows = []
+    for parameter in block.parameters:
+        low, high = limits(parameter)
+        rows.append(
+            f'{{"{parameter.name}", "{parameter.unit}", {parameter.kind.upper()}, '
+            f"{int(parameter.tunable)}, {start[parameter.name]!r}, {low!r}, {high!r}}}"
+        )
+    for port in block.inputs:
+        rows.append(f'{{"{port.name}", "{port.unit}", REAL, 1, {port.start!r}, {-MAX!r}, {MAX!r}}}')
+    table = ",\n    ".join(rows)
+    names = ",\n    ".join(f'"{v.name}"' for v in block.outputs)
+    return (
+        f"/* Generated from the block {block.name!r}: parameters and inputs, then outputs. */\n"
+        '#include "core.h"\n\n'
+        f"const VariableInfo VARIABLE_INFO[] = {{\n    {table}}};\n\n"
+        f"const char *const OUTPUT_NAME[] = {{\n    {names}}};\n"
+    )
+
+
+MAX = 1.7976931348623157e308
+
+
+def limits(parameter: Parameter) -> tuple[float, float]:
+    """Smallest and largest value that is accepted, [SI]; unbounded is the largest double."""
+    if parameter.kind == "enumeration":
+        return 1.0, float(len(parameter.choices))
+    if parameter.kind == "boolean":
+        return 0.0, 1.0
+    bound = MAX if parameter.kind == "real" else 2147483647.0
+    low = -bound if parameter.minimum is None else parameter.minimum
+    high = bound if parameter.maximum is None else parameter.maximum
+    return float(low), float(high)

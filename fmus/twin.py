@@ -1,0 +1,93 @@
+"""The Python twin of a block's FMU: the same functions, called in the same order, in Python."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import casadi as ca
+import numpy as np
+
+from .block import Block
+
+
+class Twin:
+    """One instance of a block, run by CasADi's virtual machine.
+
+    values: parameter values [SI] by name, all of them. Inputs start at their start values.
+    """
+
+    def __init__(self, block: Block, values: Mapping[str, float]) -> None:
+        self.block = block
+        self.time = 0.0
+        self.p = block.parameter_vector(values)
+        self.u = np.array([v.start for v in block.inputs])
+        self.rate = np.zeros(len(block.inputs))
+        self.d = self.x = np.zeros(0)
+        self._input = {v.name: i for i, v in enumerate(block.inputs)}
+        self._output = {v.name: i for i, v in enumerate(block.outputs)}
+        self._pages: dict[int, np.ndarray] = {}
+
+    def set(self, name: str, value: float) -> None:
+        """Set an input [SI]."""
+        self.u[self._input[name]] = value
+
+    def set_rate(self, name: str, value: float) -> None:
+        """Let an input vary linearly over the next step, at this rate [unit/s]."""
+        self.rate[self._input[name]] = value
+
+    def initialize(self) -> None:
+        """Compute derived constants and the initial state from parameters and inputs."""
+        f = self.block.functions
+        self.d = _array(f.derived(self.p))
+        self.x = _array(f.initial(self.p, self.d, self.u))
+        self._pages = {}
+
+    def step(self, size: float) -> None:
+        """Advance by a communication step [s], in equal micro steps."""
+        f = self.block.functions
+        largest = float(f.largest_step(self.x, self.u, self.p, self.d))
+        count = max(1, math.ceil(size / largest - 1e-9))
+        for _ in range(count):
+            x, u = f.step(self.x, self.u, self.rate, self.p, self.d, size / count)
+            self.x, self.u = _array(x), _array(u)
+        self.rate[:] = 0.0
+        self.time += size
+
+    def get(self, name: str) -> float:
+        """An output [SI] with the present state and inputs."""
+        return float(self.outputs()[self._output[name]])
+
+    def outputs(self) -> np.ndarray:
+        """All outputs in block order."""
+        return _array(self.block.functions.outputs(self.x, self.u, self.p, self.d, self._lookup()))
+
+    def directional(self, seed: Mapping[str, float]) -> np.ndarray:
+        """Derivative of all outputs in the direction that the seed gives the inputs."""
+        direction = np.zeros(len(self.u))
+        for name, value in seed.items():
+            direction[self._input[name]] = value
+        f = self.block.functions.outputs_forward
+        return _array(f(self.x, self.u, self.p, self.d, self._lookup(), direction))
+
+    def _lookup(self) -> np.ndarray:
+        table = self.block.table
+        if table is None:
+            return np.zeros((0, 0))
+        stations = _array(self.block.functions.stations(self.x, self.u, self.p, self.d))
+        columns = []
+        for place in stations / table.spacing:
+            node = math.floor(place)
+            columns.append([place - node, *self._node(node), *self._node(node + 1)])
+        return np.array(columns).T
+
+    def _node(self, node: int) -> np.ndarray:
+        assert self.block.table is not None
+        number, place = divmod(node, self.block.table.nodes_per_page)
+        if number not in self._pages:
+            self._pages[number] = np.array(self.block.table.page(number, self.d))
+        return self._pages[number][:, place]
+
+
+def _array(value: ca.DM) -> np.ndarray:
+    return np.array(value, dtype=float).reshape(-1)

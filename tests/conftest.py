@@ -1,0 +1,29 @@
+"""Fixtures that all tests share: the four FMUs of this checkout, and instances of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import pytest
+from fmu_instance import FmuInstance
+
+from fmus.catalogue import NAMES, fmu_path
+
+
+@pytest.fixture
+def instantiate() -> Iterator[Callable[..., FmuInstance]]:
+    """Instantiate a block's FMU by name; all are freed when the test ends."""
+    open_instances: list[FmuInstance] = []
+
+    def make(block: str, name: str = "instance") -> FmuInstance:
+        open_instances.append(FmuInstance(fmu_path(block), name))
+        return open_instances[-1]
+
+    yield make
+    for instance in open_instances:
+        instance.close()
+
+
+@pytest.fixture(params=NAMES)
+def block_name(request: pytest.FixtureRequest) -> str:
+    return request.param

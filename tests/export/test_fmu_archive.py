@@ -1,0 +1,119 @@
+"""What is in an FMU file, as importers and checkers see it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import fmpy
+import pytest
+from fmpy import read_model_description
+from fmpy.validation import validate_fmu
+
+from fmus import BLOCKS
+from fmus.catalogue import fmu_path
+from fmus.export import build_block
+from fmus.export.code import generated_functions
+from fmus.export.units import base_exponents
+
+FMI2_FUNCTIONS = """
+GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment
+EnterInitializationMode ExitInitializationMode Terminate Reset GetReal GetInteger GetBoolean
+GetString SetReal SetInteger SetBoolean SetString GetFMUstate SetFMUstate FreeFMUstate
+SerializedFMUstateSize SerializeFMUstate DeSerializeFMUstate GetDirectionalDerivative
+EnterEventMode NewDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime
+SetContinuousStates GetDerivatives GetEventIndicators GetContinuousStates
+GetNominalsOfContinuousStates SetRealInputDerivatives GetRealOutputDerivatives DoStep CancelStep
+GetStatus GetRealStatus GetIntegerStatus GetBooleanStatus GetStringStatus
+""".split()
+
+
+def test_fmpy_validate_finds_nothing(block_name):
+    assert validate_fmu(str(fmu_path(block_name))) == []
+
+
+def test_fmutool_check_finds_nothing(block_name):
+    fmutool = Path(sys.executable).parent / "fmutool"
+    done = subprocess.run(
+        [fmutool, "-input", fmu_path(block_name), "-check"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    report = done.stdout + done.stderr
+    assert done.returncode == 0, report
+    assert "seems to be compliant with FMI-2.0" in report
+    assert "No semantic error against the FMI-2 standard" in report
+    assert "WARNING" not in report and "ERROR" not in report, report
+
+
+def test_every_function_of_the_standard_is_exported(instantiate, block_name):
+    library = instantiate(block_name).slave.dll
+    missing = [name for name in FMI2_FUNCTIONS if not hasattr(library, f"fmi2{name}")]
+    assert missing == []
+
+
+def test_two_builds_have_the_same_bytes(tmp_path):
+    folders = [tmp_path / "first", tmp_path / "second"]
+    for folder in folders:
+        folder.mkdir()
+    first, second = (build_block(BLOCKS["wheelrail"](), folder) for folder in folders)
+    assert first.read_bytes() == second.read_bytes()
+
+
+def test_archive_holds_documentation_licence_and_sources(block_name):
+    with zipfile.ZipFile(fmu_path(block_name)) as archive:
+        names = set(archive.namelist())
+        assert all(info.compress_type == zipfile.ZIP_DEFLATED for info in archive.infolist())
+        page = archive.read("documentation/index.html").decode()
+    assert {"documentation/licenses/license.txt", "sources/core.c", "sources/fmi2.c"} <= names
+    description = read_model_description(str(fmu_path(block_name)))
+    assert all(v.name in page for v in description.modelVariables)
+
+
+def test_every_variable_has_a_description_and_every_real_a_unit(block_name):
+    for variable in read_model_description(str(fmu_path(block_name))).modelVariables:
+        assert variable.description
+        if variable.type == "Real":
+            assert variable.unit
+
+
+def test_every_input_and_parameter_has_a_start_value(block_name):
+    for variable in read_model_description(str(fmu_path(block_name))).modelVariables:
+        assert (variable.start is not None) == (variable.causality != "output"), variable.name
+
+
+def test_unit_exponents_follow_from_the_units_name():
+    assert base_exponents("N.m/rad") == {"kg": 1, "m": 2, "rad": -1, "s": -2}
+    assert base_exponents("m/s2") == {"m": 1, "s": -2}
+    assert base_exponents("1") == {}
+
+
+def test_a_unit_that_is_not_si_is_refused():
+    with pytest.raises(ValueError, match="'lbf' is not SI"):
+        base_exponents("lbf")
+
+
+def test_importers_that_compile_the_sources_get_the_same_block(tmp_path, block_name):
+    """`fmpy compile` builds the archive's own sources with the host's compiler."""
+    import shutil
+
+    if not shutil.which("cc"):
+        pytest.skip("no host compiler")
+    folder = fmpy.extract(str(fmu_path(block_name)), str(tmp_path))
+    sources = [f"sources/{name}" for name in ("block.c", "core.c", "fmi2.c")]
+    done = subprocess.run(
+        ["cc", "-std=c11", "-Wall", "-Wextra", "-Wno-unused-parameter", "-Wno-unused-function",
+         "-fPIC", "-shared", *sources, "-o", "block.so", "-lm"],
+        cwd=folder, capture_output=True, text=True, check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "core.c" not in done.stderr and "fmi2.c" not in done.stderr, done.stderr
+
+
+def test_generated_functions_are_small_enough_to_read(block_name):
+    """A micro step that suddenly grows tenfold has lost its sparsity or its shared terms."""
+    functions = generated_functions(BLOCKS[block_name]())
+    assert all(f.n_instructions() < 4000 for f in functions.values())
