@@ -1,0 +1,115 @@
+/* One block of the ring: a body that moves in two directions and turns, held by its neighbours.
+ * An FMI 2.0 co-simulation slave of the plainest kind: a struct, classical Runge-Kutta, no logging.
+ * All outputs depend on the states only. */
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define EXPORT __attribute__((visibility("default")))
+#define MICRO_STEPS 4
+enum { STATES = 6, INPUTS = 6, OUTPUTS = 8, PARAMETERS = 8 };
+enum { X, VX, Y, VY, ANGLE, SPIN };
+enum { LEFT_X, LEFT_VX, LEFT_Y, RIGHT_X, RIGHT_VX, RIGHT_Y };
+enum { MASS, INERTIA, STIFFNESS, DAMPING, GROUND_STIFFNESS, GROUND_DAMPING, START_X, START_Y };
+
+typedef struct {
+    double input[INPUTS], output[OUTPUTS], parameter[PARAMETERS], state[STATES];
+} Block;
+
+static void derivative(const Block *b, const double *s, double *rate) {
+    const double *u = b->input, *p = b->parameter;
+    double from_left = p[STIFFNESS] * (u[LEFT_X] - s[X]) + p[DAMPING] * (u[LEFT_VX] - s[VX]);
+    double from_right = p[STIFFNESS] * (u[RIGHT_X] - s[X]) + p[DAMPING] * (u[RIGHT_VX] - s[VX]);
+    double ground = p[GROUND_STIFFNESS] * s[Y] + p[GROUND_DAMPING] * s[VY];
+    double sideways = 0.25 * p[STIFFNESS] * (u[LEFT_Y] + u[RIGHT_Y] - 2.0 * s[Y]);
+    double moment = 0.1 * p[STIFFNESS] * (u[RIGHT_Y] - u[LEFT_Y]);
+    rate[X] = s[VX];
+    rate[VX] = (from_left + from_right - 0.2 * p[GROUND_STIFFNESS] * s[X]) / p[MASS];
+    rate[Y] = s[VY];
+    rate[VY] = (sideways - ground) / p[MASS];
+    rate[ANGLE] = s[SPIN];
+    rate[SPIN] = (moment - p[GROUND_STIFFNESS] * s[ANGLE] - p[GROUND_DAMPING] * s[SPIN]) / p[INERTIA];
+}
+
+static void micro_step(Block *b, double h) {
+    static const double at[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0, 2.0, 2.0, 1.0};
+    double rate[STATES] = {0}, sum[STATES] = {0}, trial[STATES];
+    for (int stage = 0; stage < 4; stage++) {
+        for (int i = 0; i < STATES; i++) trial[i] = b->state[i] + at[stage] * h * rate[i];
+        derivative(b, trial, rate);
+        for (int i = 0; i < STATES; i++) sum[i] += weight[stage] * rate[i];
+    }
+    for (int i = 0; i < STATES; i++) b->state[i] += h / 6.0 * sum[i];
+}
+
+static void evaluate(Block *b) {
+    const double *s = b->state, *p = b->parameter;
+    memcpy(b->output, s, sizeof b->state);
+    b->output[6] = 0.5 * (p[MASS] * (s[VX] * s[VX] + s[VY] * s[VY]) + p[INERTIA] * s[SPIN] * s[SPIN]);
+    b->output[7] = p[GROUND_STIFFNESS] * s[Y] + p[GROUND_DAMPING] * s[VY];
+}
+
+static void begin(Block *b) {
+    memset(b->state, 0, sizeof b->state);
+    b->state[X] = b->parameter[START_X];
+    b->state[Y] = b->parameter[START_Y];
+    evaluate(b);
+}
+
+static void reset(Block *b) {
+    static const double usual[PARAMETERS] = {1000.0, 400.0, 4e5, 2e3, 8e4, 1e3, 0.0, 0.0};
+    memset(b, 0, sizeof *b);
+    memcpy(b->parameter, usual, sizeof usual);
+}
+
+/* Value references: inputs, outputs, parameters, in this order, as in the struct. */
+EXPORT int fmi2SetReal(void *c, const uint32_t *reference, size_t count, const double *value) {
+    for (size_t i = 0; i < count; i++) {
+        if (reference[i] >= INPUTS + OUTPUTS + PARAMETERS) return 3;
+        ((double *)c)[reference[i]] = value[i];
+    }
+    return 0;
+}
+
+EXPORT int fmi2GetReal(void *c, const uint32_t *reference, size_t count, double *value) {
+    for (size_t i = 0; i < count; i++) {
+        if (reference[i] >= INPUTS + OUTPUTS + PARAMETERS) return 3;
+        value[i] = ((double *)c)[reference[i]];
+    }
+    return 0;
+}
+
+EXPORT int fmi2DoStep(void *c, double time, double step, int no_return) {
+    (void)time, (void)no_return;
+    for (int i = 0; i < MICRO_STEPS; i++) micro_step(c, step / MICRO_STEPS);
+    evaluate(c);
+    return 0;
+}
+
+EXPORT void *fmi2Instantiate(const char *name, int type, const char *guid, const char *resources,
+                             const void *callbacks, int visible, int logging) {
+    (void)name, (void)type, (void)guid, (void)resources, (void)callbacks, (void)visible, (void)logging;
+    Block *b = malloc(sizeof *b);
+    if (b) reset(b);
+    return b;
+}
+EXPORT void fmi2FreeInstance(void *c) { free(c); }
+EXPORT int fmi2ExitInitializationMode(void *c) { return begin(c), 0; }
+EXPORT int fmi2EnterInitializationMode(void *c) { return begin(c), 0; }
+EXPORT int fmi2Reset(void *c) { return reset(c), 0; }
+
+/* The rest of the standard: accepted where it changes nothing, refused where it is not offered. */
+EXPORT const char *fmi2GetTypesPlatform(void) { return "default"; }
+EXPORT const char *fmi2GetVersion(void) { return "2.0"; }
+#define ACCEPTED(name) \
+    EXPORT int name(void) { return 0; }
+#define REFUSED(name) \
+    EXPORT int name(void) { return 3; }
+ACCEPTED(fmi2SetDebugLogging) ACCEPTED(fmi2SetupExperiment) ACCEPTED(fmi2Terminate)
+REFUSED(fmi2GetInteger) REFUSED(fmi2SetInteger) REFUSED(fmi2GetBoolean) REFUSED(fmi2SetBoolean)
+REFUSED(fmi2GetString) REFUSED(fmi2SetString) REFUSED(fmi2GetFMUstate) REFUSED(fmi2SetFMUstate)
+REFUSED(fmi2FreeFMUstate) REFUSED(fmi2SerializedFMUstateSize) REFUSED(fmi2SerializeFMUstate)
+REFUSED(fmi2DeSerializeFMUstate) REFUSED(fmi2GetDirectionalDerivative) REFUSED(fmi2CancelStep)
+REFUSED(fmi2SetRealInputDerivatives) REFUSED(fmi2GetRealOutputDerivatives) REFUSED(fmi2GetStatus)
+REFUSED(fmi2GetRealStatus) REFUSED(fmi2GetIntegerStatus) REFUSED(fmi2GetBooleanStatus)
+REFUSED(fmi2GetStringStatus)

@@ -1,0 +1,33 @@
+"""Couples FMUs at fixed macro steps, and says how far the answer can be trusted.
+
+system = System({"a": Component(Path("a.fmu")), "b": Component(Path("b.fmu"))},
+                (Connection("a.force", "b.force"), Connection("b.v", "a.v")))
+run = simulate(system, duration=8.0, step=1e-3)
+run.dataset["b.v"].plot()
+"""
+
+from __future__ import annotations
+
+from .bonds import BondResidual
+from .description import Description, Tangent, Variable, describe
+from .errors import OrchestratorError
+from .mock import Mock
+from .results import Run
+from .simulation import simulate
+from .system import Component, Connection, PowerBond, System
+
+__all__ = [
+    "BondResidual",
+    "Component",
+    "Connection",
+    "Description",
+    "Mock",
+    "OrchestratorError",
+    "PowerBond",
+    "Run",
+    "System",
+    "Tangent",
+    "Variable",
+    "describe",
+    "simulate",
+]

@@ -1,0 +1,54 @@
+"""What can go wrong with a system of FMUs; every message is meant for the user."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class OrchestratorError(Exception):
+    """Base of this package's errors."""
+
+
+class FmuError(OrchestratorError):
+    """An FMU file cannot be used."""
+
+
+class CouplingError(OrchestratorError):
+    """Components, connections or bonds do not fit each other."""
+
+
+class ValueRefusedError(OrchestratorError):
+    """A value does not fit the variable that it is for."""
+
+
+class UnitError(OrchestratorError):
+    """A unit is not known, or measures something else."""
+
+
+class SlaveError(OrchestratorError):
+    """An FMU could not be loaded, or refused what it was given before the run began."""
+
+
+class InitializationError(OrchestratorError):
+    """The values at the start do not settle."""
+
+
+class ResultsError(OrchestratorError):
+    """Results cannot be selected or written."""
+
+
+class RecordSizeError(ResultsError, MemoryError):
+    """The results do not fit into memory."""
+
+
+def choices(asked: str, available: Iterable[str], limit: int = 12) -> str:
+    """`available` as a phrase, names close to `asked` first, at most `limit` of them."""
+    names = list(available)
+    if not names:
+        return "there are none"
+    close = difflib.get_close_matches(asked, names, n=3, cutoff=0.6)
+    guess = f"did you mean {' or '.join(close)}? " if close else ""
+    shown = ", ".join(names[:limit])
+    more = f" and {len(names) - limit} more" if len(names) > limit else ""
+    return f"{guess}choose one of: {shown}{more}"

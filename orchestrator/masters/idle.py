@@ -1,0 +1,17 @@
+"""A function that does nothing, in the place of an FMU's, to see what a macro loop costs itself."""
+
+from __future__ import annotations
+
+from numba import cfunc
+
+
+@cfunc("int32()", cache=True)
+def _idle() -> int:
+    return 0
+
+
+def address_of_idle() -> int:
+    """Address of a C function that returns 0 at once, whatever it is called with."""
+    address = _idle.address
+    assert address is not None
+    return address

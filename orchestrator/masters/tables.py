@@ -1,0 +1,267 @@
+"""Flat tables that a compiled macro loop walks over, and the few moves that masters share.
+
+Values and buffers are rows of arrays; functions and buffers stand as addresses. A group is what
+one call takes: the inputs of a slave, or those that one batch of a refresh sets.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import config as numba_config
+from numba import njit
+from numba.extending import register_jitable
+from numpy.typing import NDArray
+
+from ..plan import Link, Plan, columns_of
+from ..slave import Slave
+from . import ffi
+
+Ints = NDArray[np.int64]
+Floats = NDArray[np.float64]
+
+NOTHING, SET, SET_RATES, STEP, GET, DERIVE, NOT_FINITE = range(7)
+"""What stopped a run; the numbers stand in `report[1]`."""
+
+CALLS = {
+    SET: "fmi2SetReal",
+    SET_RATES: "fmi2SetRealInputDerivatives",
+    STEP: "fmi2DoStep",
+    GET: "fmi2GetReal",
+    DERIVE: "fmi2GetDirectionalDerivative",
+}
+
+
+def macro_loop(function: Callable[..., None]) -> Any:
+    """Compile a macro loop, once and for all runs; the plain function stays as `.py_func`.
+
+    References are not counted, since nothing is allocated: for tables of some hundred arrays that
+    would cost more than the FMUs' own work. numba looks at the source of the loop alone to tell
+    whether what it keeps is up to date, so that the helpers' sources go into the folder's name.
+    """
+    from platformdirs import user_cache_path
+
+    sources = b"".join(path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py")))
+    folder = (
+        user_cache_path("tracktrain") / "macro_loops" / hashlib.sha256(sources).hexdigest()[:12]
+    )
+    options: dict[str, Any] = {"cache": True, "nogil": True, "_nrt": False}
+    config: Any = numba_config
+    previous = config.CACHE_DIR
+    config.CACHE_DIR = previous or str(folder)
+    try:
+        return njit(**options)(function)
+    finally:
+        config.CACHE_DIR = previous
+
+
+class Calls(NamedTuple):
+    """Addresses by slave; an instance, its functions, and the columns that it writes."""
+
+    instance: Ints
+    set_real: Ints
+    get_real: Ints
+    do_step: Ints
+    set_rates: Ints
+    directional: Ints
+    reference: NDArray[np.uint32]  # of every column
+    first_reference: Ints  # address, by slave
+    first_column: Ints
+    early: Ints  # number of columns read right after a step
+
+
+class Feed(NamedTuple):
+    """Inputs set by group: value = row[column], then value * gain + offset where it is converted.
+
+    Slots from `fed` to the end of a group are filled by someone else.
+    """
+
+    first: Ints
+    fed: Ints
+    column: Ints
+    value: Floats
+    reference: NDArray[np.uint32]
+    value_address: Ints
+    reference_address: Ints
+    first_converted: Ints
+    converted: Ints
+    gain: Floats
+    offset: Floats
+
+
+class Refresh(NamedTuple):
+    """Batches of feedthrough outputs: the slave of each, and the columns that it writes."""
+
+    slave: Ints
+    first_column: Ints
+    width: Ints
+    reference_address: Ints
+
+
+@dataclass
+class Prepared:
+    """Tables for a master's `advance`, in the order of its arguments, and what to tell the user.
+
+    led: links whose value at the end of each step `advance` stores in `ends`, by column.
+    """
+
+    tables: tuple[Any, ...]
+    ends: Floats
+    led: dict[Link, int] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+
+def addresses(array: NDArray[Any], at: Sequence[int] | Ints) -> Ints:
+    """Addresses of elements of an array that stays where it is."""
+    return array.ctypes.data + np.asarray(at, np.int64) * array.itemsize
+
+
+def calls(plan: Plan, slaves: Sequence[Slave], early: Sequence[int]) -> Calls:
+    """Table of the slaves' addresses."""
+    reference = np.array([v.reference for _, v in plan.columns], np.uint32)
+    first = np.array(plan.first_column, np.int64)
+    by_function: list[Ints] = [
+        np.array(column, np.int64) for column in zip(*(s.addresses for s in slaves), strict=True)
+    ]
+    instance, set_real, get_real, do_step, set_rates, directional = by_function
+    return Calls(
+        instance,
+        set_real,
+        get_real,
+        do_step,
+        set_rates,
+        directional,
+        reference,
+        addresses(reference, first),
+        first,
+        np.array(early, np.int64),
+    )
+
+
+def feed(plan: Plan, groups: Sequence[Sequence[Link]], extra: Sequence[Sequence[int]] = ()) -> Feed:
+    """Table of groups of links; `extra` are value references that each group has behind them."""
+    extra = extra or [()] * len(groups)
+    sizes = [len(links) + len(more) for links, more in zip(groups, extra, strict=True)]
+    first = np.concatenate([[0], np.cumsum(sizes, dtype=np.int64)])
+    total = int(first[-1])
+    column, reference = np.zeros(total, np.int64), np.zeros(total, np.uint32)
+    value = np.zeros(total)
+    converted: list[list[tuple[int, float, float]]] = []
+    for begin, links, more in zip(first, groups, extra, strict=False):
+        for slot, link in enumerate(links, start=int(begin)):
+            column[slot] = plan.column_of[link.source, link.output.name]
+            reference[slot] = link.input.reference
+        reference[begin + len(links) : begin + len(links) + len(more)] = more
+        converted.append(
+            [
+                (slot, link.gain, link.offset)
+                for slot, link in enumerate(links, start=int(begin))
+                if (link.gain, link.offset) != (1.0, 0.0)
+            ]
+        )
+    flat = [entry for entries in converted for entry in entries]
+    return Feed(
+        first=first,
+        fed=first[:-1] + np.array([len(links) for links in groups], np.int64),
+        column=column,
+        value=value,
+        reference=reference,
+        value_address=addresses(value, first),
+        reference_address=addresses(reference, first),
+        first_converted=np.concatenate(
+            [[0], np.cumsum([len(e) for e in converted], dtype=np.int64)]
+        ),
+        converted=np.array([slot for slot, _, _ in flat], np.int64),
+        gain=np.array([gain for _, gain, _ in flat]),
+        offset=np.array([offset for _, _, offset in flat]),
+    )
+
+
+def refresh_tables(plan: Plan, table: Calls) -> tuple[Feed, Refresh]:
+    """What the batches of a plan set, and what they read."""
+    groups = [[plan.link_of[b.instance, name] for name in b.inputs] for b in plan.batches]
+    spans = np.array([columns_of(plan, b) for b in plan.batches], np.int64).reshape(-1, 2)
+    return feed(plan, groups), Refresh(
+        slave=np.array([b.instance for b in plan.batches], np.int64),
+        first_column=spans[:, 0].copy(),
+        width=spans[:, 1] - spans[:, 0],
+        reference_address=addresses(table.reference, spans[:, 0]),
+    )
+
+
+@register_jitable(inline="always")
+def set_inputs(calls: Calls, slave: int, feed: Feed, group: int, rows: Floats, k: int) -> int:
+    """Set a group's inputs of a slave from row k of the record; the status."""
+    first, last = feed.first[group], feed.first[group + 1]
+    if first == last:
+        return 0
+    for slot in range(first, feed.fed[group]):
+        feed.value[slot] = rows[k, feed.column[slot]]
+    for n in range(feed.first_converted[group], feed.first_converted[group + 1]):
+        slot = feed.converted[n]
+        feed.value[slot] = feed.gain[n] * feed.value[slot] + feed.offset[n]
+    return ffi.reals(
+        calls.set_real[slave],
+        calls.instance[slave],
+        feed.reference_address[group],
+        last - first,
+        feed.value_address[group],
+    )
+
+
+@register_jitable(inline="always")
+def read_early(calls: Calls, slave: int, row: int) -> int:
+    """Read the outputs of a slave that are read right after its step; the status."""
+    if calls.early[slave] == 0:
+        return 0
+    return ffi.reals(
+        calls.get_real[slave],
+        calls.instance[slave],
+        calls.first_reference[slave],
+        calls.early[slave],
+        row + 8 * calls.first_column[slave],
+    )
+
+
+@register_jitable(inline="always")
+def refresh_outputs(
+    calls: Calls, feed: Feed, refresh: Refresh, rows: Floats, k: int, row: int, report: Ints
+) -> bool:
+    """Bring the feedthrough outputs of row k (at address `row`) up to date; False if stopped."""
+    for batch in range(refresh.slave.size):
+        slave = refresh.slave[batch]
+        if stopped(report, slave, SET, set_inputs(calls, slave, feed, batch, rows, k)):
+            return False
+        status = ffi.reals(
+            calls.get_real[slave],
+            calls.instance[slave],
+            refresh.reference_address[batch],
+            refresh.width[batch],
+            row + 8 * refresh.first_column[batch],
+        )
+        if stopped(report, slave, GET, status):
+            return False
+    return True
+
+
+@register_jitable(inline="always")
+def stopped(report: Ints, slave: int, call: int, status: int) -> bool:
+    """Whether a status ends the run; then the report says who, where and why."""
+    if status <= 1:
+        return False
+    report[1], report[2], report[3] = call, slave, status
+    return True
+
+
+@register_jitable(fastmath={"reassoc", "nsz"})
+def all_finite(rows: Floats, k: int) -> bool:
+    """Whether row k has finite numbers only: zero times anything else is not zero."""
+    total = 0.0
+    for n in range(rows.shape[1]):
+        total += 0.0 * rows[k, n]
+    return total == 0.0

@@ -1,0 +1,41 @@
+"""Numbers that sum up a response, a DataArray over `time` [s]."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def rms(response: xr.DataArray) -> float:
+    """Root mean square about zero [the response's unit]."""
+    return float(np.sqrt(np.mean(np.square(response.values))))
+
+
+def peak(response: xr.DataArray) -> float:
+    """Largest absolute value [the response's unit]."""
+    return float(np.max(np.abs(response.values)))
+
+
+def dominant_frequency(response: xr.DataArray) -> float:
+    """Frequency [Hz] of the highest spectral peak; NaN where nothing moves.
+
+    The mean is taken off and a Hann window put on; between the lines of the spectrum the peak is
+    that of the parabola through the logarithms of three lines.
+    """
+    values, time = response.values, response["time"].values
+    moving = values - np.mean(values)
+    if values.size < 4 or not np.any(moving):
+        return float("nan")
+    size = np.abs(np.fft.rfft(moving * np.hanning(values.size)))
+    line = int(np.argmax(size[1:])) + 1
+    shift = 0.0
+    if 1 < line < size.size - 1 and np.all(size[line - 1 : line + 2] > 0.0):
+        left, middle, right = np.log(size[line - 1 : line + 2])
+        curvature = left - 2.0 * middle + right
+        shift = 0.5 * (left - right) / curvature if curvature < 0.0 else 0.0
+    step = (time[-1] - time[0]) / (time.size - 1)
+    return float((line + shift) / (values.size * step))

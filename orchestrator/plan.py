@@ -1,0 +1,320 @@
+"""From a system and its FMUs' descriptions to what a master needs: checked, ordered, numbered."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from .bonds import Bond, find_bonds
+from .description import Description, Variable, describe
+from .errors import CouplingError, ResultsError, UnitError, choices
+from .feedthrough import Batch, evaluation_order
+from .mock import Mock
+from .system import Connection, System, Value, split
+from .units import conversion
+from .values import resolve
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A connected input: input = gain * output + offset."""
+
+    source: int
+    output: Variable
+    target: int
+    input: Variable
+    gain: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass
+class Plan:
+    """A checked system: instances by number, links by target, outputs by column of the record.
+
+    columns: the outputs that are read, grouped by instance; those of an instance in the order in
+    which they become final. first_column: where each instance's begin, and the end.
+    steady: for each instance the number of leading columns that depend on its states only.
+    batches: feedthrough outputs in the order in which they are to be read again.
+    """
+
+    names: list[str]
+    descriptions: list[Description]
+    links: list[Link]
+    columns: list[tuple[int, Variable]]
+    first_column: list[int]
+    steady: list[int]
+    batches: list[Batch]
+    values: list[list[tuple[Variable, Value]]]
+    open_inputs: list[tuple[int, Variable]]
+    recorded: list[int]
+    bonds: list[Bond]
+    looped: frozenset[int]
+    notes: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.column_of = {(i, v.name): n for n, (i, v) in enumerate(self.columns)}
+        self.link_of = {(link.target, link.input.name): link for link in self.links}
+
+    def name(self, instance: int, variable: Variable) -> str:
+        """ "instance.variable" of a variable."""
+        return f"{self.names[instance]}.{variable.name}"
+
+    def links_of(self, instance: int) -> list[Link]:
+        return [link for link in self.links if link.target == instance]
+
+
+def make_plan(system: System, record: Sequence[str] | None = None) -> Plan:
+    """Check a system and number its parts; raises OrchestratorError for what does not fit.
+
+    record: names or patterns (`*`, `?`) of the outputs to keep; None keeps all.
+    """
+    names = list(system.components)
+    if not names:
+        raise CouplingError("the system has no components")
+    for name in names:
+        if not name or "." in name:
+            raise CouplingError(f"'{name}' cannot name an instance: it is empty or has a dot")
+    descriptions = [_description(c.fmu) for c in system.components.values()]
+    _check_single_instances(names, descriptions)
+    notes: list[str] = []
+    links = _links(system.connections, names, descriptions, notes)
+    values = [
+        [resolve(name, d, n, v) for n, v in c.parameters.items()]
+        for (name, c), d in zip(system.components.items(), descriptions, strict=True)
+    ]
+    driven = {(link.target, link.input.name): link for link in links}
+    for instance, given in enumerate(values):
+        for variable, _ in given:
+            if link := driven.get((instance, variable.name)):
+                raise CouplingError(
+                    f"{names[instance]}.{variable.name} cannot be given a value: it is driven by "
+                    f"{names[link.source]}.{link.output.name}"
+                )
+    open_inputs = [
+        (i, v)
+        for i, d in enumerate(descriptions)
+        for v in d.inputs
+        if (i, v.name) not in driven and v.name not in d.partials
+    ]
+    _note_open_inputs(notes, names, open_inputs, values)
+    outputs = [(i, v) for i, d in enumerate(descriptions) for v in d.outputs if v.type == "Real"]
+    wanted = _recorded(record, names, outputs, open_inputs)
+    read = _read(outputs, links, descriptions, names, wanted)
+    batches, loops = evaluation_order(
+        [(i, v.name) for i, v in read],
+        {(i, v.name): _dependencies(v, descriptions[i]) for i, v in read},
+        {(k.target, k.input.name): (k.source, k.output.name) for k in links},
+    )
+    for loop in loops:
+        chain = " -> ".join(f"{names[i]}.{name}" for i, name in [*loop, loop[0]])
+        notes.append(f"algebraic loop, gone through once a step and not solved: {chain}")
+    columns, first_column, steady = _columns(len(names), read, batches)
+    plan = Plan(
+        names=names,
+        descriptions=descriptions,
+        links=links,
+        columns=columns,
+        first_column=first_column,
+        steady=steady,
+        batches=batches,
+        values=values,
+        open_inputs=[(i, v) for i, v in open_inputs if f"{names[i]}.{v.name}" in wanted],
+        recorded=[n for n, (i, v) in enumerate(columns) if f"{names[i]}.{v.name}" in wanted],
+        bonds=[],
+        looped=frozenset(i for loop in loops for i, _ in loop),
+        notes=notes,
+    )
+    return replace(plan, bonds=find_bonds(plan.names, plan.links, descriptions, system.bonds))
+
+
+def _description(fmu: object) -> Description:
+    return fmu.description if isinstance(fmu, Mock) else describe(fmu)  # type: ignore[arg-type]
+
+
+def _check_single_instances(names: list[str], descriptions: list[Description]) -> None:
+    for description in descriptions:
+        if not description.single_instance:
+            continue
+        same = [
+            n for n, d in zip(names, descriptions, strict=True) if d.sha256 == description.sha256
+        ]
+        if len(same) > 1:
+            raise CouplingError(
+                f"{' and '.join(same)} are instances of {description.label}, which says that it "
+                "can be instantiated only once in a process; give each its own FMU"
+            )
+
+
+def _links(
+    connections: Iterable[Connection],
+    names: list[str],
+    descriptions: list[Description],
+    notes: list[str],
+) -> list[Link]:
+    links: dict[tuple[int, str], Link] = {}
+    for connection in connections:
+        source, output = _port(connection.source, "output", names, descriptions)
+        target, port = _port(connection.target, "input", names, descriptions)
+        if previous := links.get((target, port.name)):
+            raise CouplingError(
+                f"{connection.target} is driven twice: by {names[previous.source]}."
+                f"{previous.output.name} and by {connection.source}; leave one connection out"
+            )
+        gain, offset = _conversion(
+            connection, output, port, descriptions[source], descriptions[target]
+        )
+        if (gain, offset) != (1.0, 0.0):
+            shift = f" {offset:+g}" if offset else ""
+            notes.append(
+                f"{names[source]}.{output.label} drives {names[target]}.{port.label}: "
+                f"converted, times {gain:g}{shift}"
+            )
+        links[target, port.name] = Link(source, output, target, port, gain, offset)
+    return sorted(links.values(), key=lambda link: link.target)
+
+
+def _port(
+    name: str, causality: str, names: list[str], descriptions: list[Description]
+) -> tuple[int, Variable]:
+    instance, variable = split(name)
+    if instance not in names:
+        raise CouplingError(
+            f"there is no instance '{instance}' for the connection's end '{name}'; "
+            f"{choices(instance, names)}"
+        )
+    index = names.index(instance)
+    description = descriptions[index]
+    ports = [v.name for v in description.variables.values() if v.causality == causality]
+    found = description.variables.get(variable)
+    if found is None:
+        raise CouplingError(
+            f"{instance} ({description.label}) has no {causality} '{variable}'; "
+            f"{choices(variable, ports)}"
+        )
+    article = "an" if found.causality[0] in "aeiou" else "a"
+    verb = "drive an input" if causality == "output" else "be driven"
+    if found.causality != causality:
+        raise CouplingError(
+            f"{instance}.{found.label} cannot {verb}: it is {article} {found.causality}, not an "
+            f"{causality}; {choices(variable, ports)}"
+        )
+    if found.type != "Real":
+        raise CouplingError(
+            f"{instance}.{found.label} cannot {verb}: it is of type {found.type}, and only Real "
+            "variables are coupled"
+        )
+    return index, found
+
+
+def _conversion(
+    connection: Connection,
+    output: Variable,
+    port: Variable,
+    giving: Description,
+    taking: Description,
+) -> tuple[float, float]:
+    if output.unit is None or port.unit is None:
+        return 1.0, 0.0
+    ends = (
+        f"{connection.target} [{port.unit}] cannot be driven by {connection.source} [{output.unit}]"
+    )
+    try:
+        found = conversion(output.unit, port.unit, giving.units, taking.units)
+    except UnitError as error:
+        raise CouplingError(f"{ends}: {error}; define it in the FMU's UnitDefinitions") from None
+    if found is None:
+        instance = connection.source.partition(".")[0]
+        fitting = [f"{instance}.{v.name}" for v in giving.outputs if v.unit == port.unit]
+        raise CouplingError(
+            f"{ends}; outputs in {port.unit}: {', '.join(fitting) if fitting else 'none'}"
+        )
+    return found
+
+
+def _note_open_inputs(
+    notes: list[str],
+    names: list[str],
+    open_inputs: list[tuple[int, Variable]],
+    values: list[list[tuple[Variable, Value]]],
+) -> None:
+    shown = []
+    for instance, variable in open_inputs:
+        given = {v.name: value for v, value in values[instance]}
+        start = given.get(variable.name, variable.start)
+        unit = f" {variable.unit}" if variable.unit else ""
+        shown.append(f"{names[instance]}.{variable.name} = {start}{unit}")
+    if shown:
+        notes.append(f"inputs that nothing drives: {', '.join(shown)}")
+
+
+def _recorded(
+    record: Sequence[str] | None,
+    names: list[str],
+    outputs: list[tuple[int, Variable]],
+    open_inputs: list[tuple[int, Variable]],
+) -> frozenset[str]:
+    available = [f"{names[i]}.{v.name}" for i, v in [*outputs, *open_inputs] if v.type == "Real"]
+    if record is None:
+        return frozenset(available)
+    wanted: set[str] = set()
+    for pattern in record:
+        expression = re.escape(pattern).replace(r"\*", ".*").replace(r"\?", ".")
+        found = {name for name in available if re.fullmatch(expression, name)}
+        if not found:
+            raise ResultsError(f"no output matches '{pattern}'; {choices(pattern, available)}")
+        wanted |= found
+    return frozenset(wanted)
+
+
+def _read(
+    outputs: list[tuple[int, Variable]],
+    links: list[Link],
+    descriptions: list[Description],
+    names: list[str],
+    wanted: frozenset[str],
+) -> list[tuple[int, Variable]]:
+    """The outputs that are read: connected, recorded, or the rate of one that is connected."""
+    needed = {(link.source, link.output.name) for link in links}
+    for instance, name in list(needed):
+        for _ in range(2):  # the rate, and the rate of the rate
+            if rate := descriptions[instance].rate_of(name):
+                name = rate.name
+                needed.add((instance, name))
+    return [(i, v) for i, v in outputs if f"{names[i]}.{v.name}" in wanted or (i, v.name) in needed]
+
+
+def _dependencies(output: Variable, description: Description) -> frozenset[str]:
+    if output.dependencies is None:
+        return frozenset(v.name for v in description.inputs)
+    return output.dependencies
+
+
+def _columns(
+    count: int, read: list[tuple[int, Variable]], batches: list[Batch]
+) -> tuple[list[tuple[int, Variable]], list[int], list[int]]:
+    final = {(b.instance, name): n for n, b in enumerate(batches) for name in b.outputs}
+    columns: list[tuple[int, Variable]] = []
+    first, steady = [0], []
+    for instance in range(count):
+        own = [(i, v) for i, v in read if i == instance]
+        own.sort(key=lambda port: final.get((port[0], port[1].name), -1))
+        steady.append(sum((i, v.name) not in final for i, v in own))
+        columns += own
+        first.append(len(columns))
+    return columns, first, steady
+
+
+def columns_of(plan: Plan, batch: Batch) -> tuple[int, int]:
+    """First and one past the last column of a batch's outputs."""
+    numbers = [plan.column_of[batch.instance, name] for name in batch.outputs]
+    return min(numbers), max(numbers) + 1
+
+
+def start_values(plan: Plan) -> Mapping[str, Value]:
+    """The values that were given, by full name."""
+    return {
+        f"{plan.names[i]}.{variable.name}": value
+        for i, given in enumerate(plan.values)
+        for variable, value in given
+    }

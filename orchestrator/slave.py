@@ -1,0 +1,249 @@
+"""A running instance: loaded, given its start values, and from then on C functions by address.
+
+FMI 2.0 here, mocks in `mock`. FMI 3.0 will be another subclass; `Description.fmi_version` tells
+which one an instance needs, and its functions have other shapes in `masters.ffi`.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import zipfile
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from enum import IntEnum
+from functools import cache
+from pathlib import Path, PurePosixPath
+from typing import Any, NamedTuple
+from weakref import WeakValueDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .description import Description, Variable
+from .errors import FmuError, SlaveError
+from .system import Value
+
+Logger = Callable[[str, str, str], None]
+"""Called with instance, status and message of what an FMU logs."""
+
+
+class Status(IntEnum):
+    """What an FMI function returns; from DISCARD on the run cannot go on."""
+
+    OK = 0
+    WARNING = 1
+    DISCARD = 2
+    ERROR = 3
+    FATAL = 4
+    PENDING = 5
+
+
+class Addresses(NamedTuple):
+    """Addresses of an instance and of the functions that a macro step calls; 0 for none."""
+
+    instance: int
+    set_real: int
+    get_real: int
+    do_step: int
+    set_rates: int
+    directional: int
+
+
+class Slave(ABC):
+    """One instance of an FMU. `messages` keeps what it logged."""
+
+    addresses: Addresses
+
+    def __init__(self, name: str, description: Description) -> None:
+        self.name = name
+        self.description = description
+        self.messages: list[str] = []
+
+    @abstractmethod
+    def set_value(self, variable: Variable, value: Value) -> None:
+        """Give a variable its start value, before `start`; raises SlaveError."""
+
+    @abstractmethod
+    def start(self, time: float, stop: float) -> None:
+        """Enter initialization [s]; raises SlaveError."""
+
+    @abstractmethod
+    def begin_stepping(self) -> None:
+        """Leave initialization; raises SlaveError."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Terminate and free the instance."""
+
+    def set_reals(self, variables: Sequence[Variable], values: NDArray[np.float64]) -> None:
+        """Set inputs; raises SlaveError."""
+        self._reals(self.addresses.set_real, variables, values, "cannot set")
+
+    def get_reals(self, variables: Sequence[Variable]) -> NDArray[np.float64]:
+        """Read variables; raises SlaveError."""
+        values = np.empty(len(variables))
+        self._reals(self.addresses.get_real, variables, values, "cannot read")
+        return values
+
+    def said(self) -> str:
+        """The last message, to end a sentence with."""
+        return f": {self.messages[-1]}" if self.messages else ""
+
+    def _reals(
+        self, function: int, variables: Sequence[Variable], values: NDArray[np.float64], verb: str
+    ) -> None:
+        from .masters import ffi
+
+        if not variables:
+            return
+        references = np.array([v.reference for v in variables], np.uint32)
+        status = ffi.reals(
+            function,
+            self.addresses.instance,
+            references.ctypes.data,
+            len(variables),
+            values.ctypes.data,
+        )
+        if status > Status.WARNING:
+            names = ", ".join(v.name for v in variables)
+            raise SlaveError(f"{self.name}: {verb} {names}{self.said()}")
+
+
+class Fmi2Slave(Slave):
+    """An instance of an FMI 2.0 co-simulation FMU that was unzipped into `folder`."""
+
+    def __init__(
+        self, name: str, description: Description, folder: Path, logger: Logger | None = None
+    ) -> None:
+        from fmpy import calloc, fmi2, free
+
+        super().__init__(name, description)
+        self._logger = logger
+        self._in_initialization = self._stepping = False
+        callbacks = fmi2.fmi2CallbackFunctions()
+        callbacks.logger = _logger()
+        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(calloc)
+        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(free)
+        callbacks.componentEnvironment = id(self)
+        _logging[id(self)] = self
+        # The standard's logger is variadic; fmpy's proxy formats the message in C.
+        fmi2.addLoggerProxy(ctypes.byref(callbacks))
+        working_folder = Path.cwd()
+        try:
+            self._fmu = fmi2.FMU2Slave(
+                guid=description.guid,
+                unzipDirectory=str(folder),
+                modelIdentifier=description.model_identifier,
+                instanceName=name,
+                libraryPath=str(folder / description.binary),
+            )
+        except Exception as error:  # fmpy raises plain exceptions
+            raise SlaveError(f"{name}: {description.label} cannot be loaded: {error}") from None
+        finally:
+            os.chdir(working_folder)
+        try:
+            self._fmu.instantiate(callbacks=callbacks)
+        except Exception:
+            raise SlaveError(
+                f"{name}: {description.label} cannot be instantiated{self.said()}"
+            ) from None
+        library = self._fmu.dll
+
+        def address(function: str) -> int:
+            return ctypes.cast(getattr(library, function), ctypes.c_void_p).value or 0
+
+        self.addresses = Addresses(
+            self._fmu.component,
+            *map(
+                address,
+                (
+                    "fmi2SetReal",
+                    "fmi2GetReal",
+                    "fmi2DoStep",
+                    "fmi2SetRealInputDerivatives",
+                    "fmi2GetDirectionalDerivative",
+                ),
+            ),
+        )
+
+    def set_value(self, variable: Variable, value: Value) -> None:
+        setter = {
+            "Real": self._fmu.setReal,
+            "Integer": self._fmu.setInteger,
+            "Enumeration": self._fmu.setInteger,
+            "Boolean": self._fmu.setBoolean,
+            "String": self._fmu.setString,
+        }[variable.type]
+        given = value.encode() if isinstance(value, str) else value
+        unit = f" {variable.unit}" if variable.unit else ""
+        what = f"refused {variable.name} = {value}{unit}"
+        self._call(what, setter, [variable.reference], [given])
+
+    def start(self, time: float, stop: float) -> None:
+        self._call(
+            "refused the experiment", self._fmu.setupExperiment, startTime=time, stopTime=stop
+        )
+        self._call("cannot be initialized", self._fmu.enterInitializationMode)
+        self._in_initialization = True
+
+    def begin_stepping(self) -> None:
+        self._in_initialization = False
+        self._call("cannot be initialized", self._fmu.exitInitializationMode)
+        self._stepping = True
+
+    def close(self) -> None:
+        try:
+            if self._stepping:
+                self._fmu.terminate()
+        except Exception:  # an instance that failed may refuse; it is freed all the same
+            pass
+        self._fmu.freeInstance()
+
+    def _call(self, failure: str, function: Callable[..., Any], *given: Any, **named: Any) -> None:
+        try:
+            function(*given, **named)
+        except Exception as error:
+            said = self.said() or f": {error}"
+            raise SlaveError(f"{self.name} ({self.description.label}) {failure}{said}") from None
+
+    def heard(self, status: int, text: str) -> None:
+        """Keep what the FMU logged, and pass it on."""
+        if status != Status.OK:
+            self.messages.append(text)
+            del self.messages[:-50]
+        if self._logger is not None:
+            self._logger(self.name, Status(status).name.lower(), text)
+
+
+_logging: WeakValueDictionary[int, Fmi2Slave] = WeakValueDictionary()
+"""Instances by the environment that they hand to the logger."""
+
+
+@cache
+def _logger() -> Any:
+    """The one C function to which every FMU logs: fmpy's proxy knows a single one."""
+    from fmpy import fmi2
+
+    def log(environment: int, name: bytes, status: int, category: bytes, message: bytes) -> None:
+        slave = _logging.get(environment or 0)
+        if slave is None:  # an FMU that hands nothing back is told by its name
+            called = (name or b"").decode(errors="replace")
+            slave = next((s for s in list(_logging.values()) if s.name == called), None)
+        if slave is not None:
+            slave.heard(status, (message or b"").decode(errors="replace").strip())
+
+    return fmi2.fmi2CallbackLoggerTYPE(log)
+
+
+def unzip(path: Path, description: Description, folder: Path) -> Path:
+    """Unpack what an instance needs of an FMU: this platform's binary and the resources."""
+    binaries = f"{PurePosixPath(description.binary).parent}/"
+    with zipfile.ZipFile(path) as archive:
+        wanted = [name for name in archive.namelist() if name.startswith(("resources/", binaries))]
+        for name in wanted:
+            if ".." in PurePosixPath(name).parts or "\\" in name:
+                raise FmuError(f"'{path}' holds '{name}', which lies outside of the archive")
+        archive.extractall(folder, wanted)
+    (folder / "resources").mkdir(exist_ok=True)
+    return folder

@@ -1,0 +1,76 @@
+"""A system of FMUs: components, connections between them, and power bonds. Plain frozen data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .errors import CouplingError, choices
+
+if TYPE_CHECKING:
+    from .mock import Mock
+
+Value = float | int | bool | str
+"""A number in the variable's unit, or text: a quantity ("200 lbf/in"), an enumeration's item."""
+
+
+@dataclass(frozen=True)
+class Component:
+    """An FMU, with start values of its parameters and of inputs that nothing drives."""
+
+    fmu: Path | Mock
+    parameters: Mapping[str, Value] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Connection:
+    """An output that drives an input: "truck_front.axle[1].y", instance, dot, variable."""
+
+    source: str
+    target: str
+
+
+@dataclass(frozen=True)
+class PowerBond:
+    """A force output and the velocity output that it works on, each driving the other's owner."""
+
+    force: str
+    velocity: str
+
+
+@dataclass(frozen=True)
+class System:
+    """Instances by name, and how they are connected. Without `bonds` these are found by unit."""
+
+    components: Mapping[str, Component]
+    connections: tuple[Connection, ...] = ()
+    bonds: tuple[PowerBond, ...] | None = None
+
+    def with_fmu(self, instance: str, path: Path | Mock) -> System:
+        """The same system with another FMU in an instance's place; its values are kept."""
+        component = replace(self._component(instance), fmu=path)
+        return replace(self, components={**self.components, instance: component})
+
+    def with_value(self, name: str, value: Value) -> System:
+        """The same system with a start value for "instance.variable"."""
+        instance, variable = split(name)
+        component = self._component(instance)
+        changed = replace(component, parameters={**component.parameters, variable: value})
+        return replace(self, components={**self.components, instance: changed})
+
+    def _component(self, instance: str) -> Component:
+        if instance not in self.components:
+            raise CouplingError(
+                f"there is no instance '{instance}'; {choices(instance, self.components)}"
+            )
+        return self.components[instance]
+
+
+def split(name: str) -> tuple[str, str]:
+    """Instance and variable of "instance.variable"; raises CouplingError without a dot."""
+    instance, dot, variable = name.partition(".")
+    if not (instance and dot and variable):
+        raise CouplingError(f"'{name}' names no variable; write it as instance.variable")
+    return instance, variable

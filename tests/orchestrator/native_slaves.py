@@ -1,0 +1,99 @@
+"""Builds the two small native FMUs of `slaves/slave.c`, and FMUs that are wrong in some way."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import fmpy
+
+SOURCE = Path(__file__).parent / "slaves" / "slave.c"
+
+UNITS = """<UnitDefinitions><Unit name="N.s/m"><BaseUnit kg="1" s="-1"/></Unit>
+<Unit name="wagonload"><BaseUnit kg="1" factor="80000"/></Unit></UnitDefinitions>
+<TypeDefinitions><SimpleType name="Kind"><Enumeration>
+<Item name="plain" value="1"/><Item name="fancy" value="2"/></Enumeration></SimpleType>
+</TypeDefinitions>"""
+
+
+def variable(name: str, causality: str, value: str, more: str = "") -> str:
+    return f'<ScalarVariable name="{name}" causality="{causality}" {more}>{value}</ScalarVariable>'
+
+
+def body(variables: list[str], structure: str) -> str:
+    """Variables numbered from 0, and which outputs depend on what."""
+    numbered = [
+        text.replace(" causality", f' valueReference="{n}" causality', 1)
+        for n, text in enumerate(variables)
+    ]
+    return (
+        f"<ModelVariables>{''.join(numbered)}</ModelVariables>"
+        f"<ModelStructure><Outputs>{structure}</Outputs></ModelStructure>"
+    )
+
+
+FIXED = 'variability="fixed"'
+MASS = body(
+    [
+        variable("force", "input", '<Real unit="N" start="0"/>'),
+        variable("force_per_v", "input", '<Real unit="N.s/m" start="0"/>'),
+        variable("x", "output", '<Real unit="m"/>'),
+        variable("v", "output", '<Real unit="m/s" derivative="3"/>', 'description="velocity"'),
+        variable("m", "parameter", '<Real unit="kg" start="1"/>', FIXED),
+        variable("start_v", "parameter", '<Real unit="m/s" start="0" max="100"/>', FIXED),
+        variable("time_of_failure", "parameter", '<Real unit="s" start="1e9"/>', FIXED),
+    ],
+    '<Unknown index="3" dependencies=""/><Unknown index="4" dependencies=""/>',
+)
+DAMPER = body(
+    [
+        variable("v", "input", '<Real unit="m/s" start="0"/>'),
+        variable("force", "output", '<Real unit="N"/>'),
+        variable("c", "parameter", '<Real unit="N.s/m" start="0"/>', 'variability="tunable"'),
+        variable("kind", "parameter", '<Enumeration declaredType="Kind" start="1"/>', FIXED),
+        variable("locked", "parameter", '<Boolean start="false"/>', FIXED),
+    ],
+    '<Unknown index="2" dependencies="1"/>',
+)
+TANGENT = (
+    '<VendorAnnotations><Tool name="tracktrain"><Coupling>'
+    '<Tangent input="force" output="v" partial="force_per_v"/>'
+    "</Coupling></Tool></VendorAnnotations>"
+)
+
+
+def description(variables: str, guid: str = "slave", version: str = "2.0", extra: str = "") -> str:
+    return (
+        f'<fmiModelDescription fmiVersion="{version}" modelName="Slave" guid="{guid}">'
+        f'<CoSimulation modelIdentifier="slave" canInterpolateInputs="true" '
+        f'canHandleVariableCommunicationStepSize="true" providesDirectionalDerivative="true"/>'
+        f"{UNITS}{extra}{variables}</fmiModelDescription>"
+    )
+
+
+def library(folder: Path, *flags: str) -> Path:
+    compiler = ["cc"] if shutil.which("cc") else [sys.executable, "-m", "ziglang", "cc"]
+    path = folder / f"slave{fmpy.sharedLibraryExtension}"
+    subprocess.run([*compiler, "-O2", "-fPIC", "-shared", *flags, SOURCE, "-o", path], check=True)
+    return path
+
+
+def archive(path: Path, text: str | None, binary: Path | None, folder: str | None = None) -> Path:
+    """An FMU of a description and a binary, either of which may be missing."""
+    with zipfile.ZipFile(path, "w") as fmu:
+        if text is not None:
+            fmu.writestr("modelDescription.xml", text)
+        if binary is not None:
+            fmu.write(binary, f"binaries/{folder or fmpy.platform}/{binary.name}")
+    return path
+
+
+def build_mass(folder: Path) -> Path:
+    return archive(folder / "mass.fmu", description(MASS, extra=TANGENT), library(folder, "-DMASS"))
+
+
+def build_damper(folder: Path) -> Path:
+    return archive(folder / "damper.fmu", description(DAMPER), library(folder))
