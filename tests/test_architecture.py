@@ -36,7 +36,9 @@ def test_the_two_halves_do_not_know_each_other(package, stranger):
 def test_each_blocks_folder_has_the_same_shape():
     for name in fmus.BLOCKS:
         folder = ROOT / "fmus" / name
-        assert {"__init__.py", "block.py", "rig.py", "README.md"} <= {p.name for p in folder.iterdir()}
+        assert {"__init__.py", "block.py", "rig.py", "README.md"} <= {
+            p.name for p in folder.iterdir()
+        }
 
 
 def test_python_files_stay_short():

@@ -1,0 +1,101 @@
+"""What `tracktrain` says about input that cannot be run, before anything is built or run."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+from click.testing import CliRunner, Result
+
+from tracktrain.cli import main
+
+
+def refused(*arguments: str) -> str:
+    """The message of a command that is bad input; it is not a traceback."""
+    result: Result = CliRunner().invoke(main, arguments)
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert "Traceback" not in result.stderr
+    return result.stderr.partition("Error: ")[2].strip()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--car", "lodaed"), "there is no car 'lodaed'; did you mean loaded? choose one of: "),
+        (
+            ("--track", "fra7"),
+            "there is no track 'fra7'; did you mean fra6? choose one of: report,",
+        ),
+        (("--master", "gauss"), "there is no master 'gauss'; choose one of: one-pass, jacobi"),
+        (("--speed", "60"), "'60' has no unit; give a speed such as \"60 ft/s\" (units: ft/s, mph"),
+        (("--speed", "0 ft/s"), "a speed of 0 ft/s cannot be run; it must be above zero"),
+        (("--speed", "-5 m/s"), "a speed of -5 m/s cannot be run; it must be above zero"),
+        (("--speed", "60 kg"), "'60 kg' is a mass, not a speed; give a speed such as \"60 ft/s\""),
+        (("--speed", "60 ft/ss"), "'ft/ss' is not a known unit; did you mean ft/s? choose one of"),
+        (("--speed", "nan ft/s"), "'nan ft/s' is not a finite number; give a speed such as"),
+        (("--speed", "fast"), "'fast' is not a number with a unit; give a speed such as"),
+        (
+            ("--duration", "8 m"),
+            "'8 m' is a length, not a duration; give a duration such as \"8s\"",
+        ),
+        (("--step", "1"), "'1' has no unit; give a step such as \"1ms\" (units: ms, s)"),
+        (
+            ("--step", "2s", "--duration", "1s"),
+            "a step of 2 s is longer than the run of 1 s; give a shorter --step or a longer",
+        ),
+        (("--seed", "one"), "'one' is not a valid integer"),
+        (
+            ("--set", "conicity"),
+            "'conicity' cannot be read; write it as instance.parameter=\"value",
+        ),
+        (("--set", "truck_front=1"), "'truck_front=1' cannot be read; write it as instance.parame"),
+        (
+            ("--set", "truck.a=1"),
+            "there is no instance 'truck'; did you mean truck_front or truck_r",
+        ),
+        (
+            ("--initial", "body.yaw=1 deg"),
+            "there is no instance 'body'; did you mean carbody? choose",
+        ),
+        (
+            ("--initial", "carbody.yaw"),
+            "'carbody.yaw' cannot be read; write it as instance.coordin",
+        ),
+        (
+            ("--swap", "wheelset_13=a.fmu"),
+            "there is no instance 'wheelset_13'; did you mean wheelse",
+        ),
+        (
+            ("--swap", "carbody.y=a.fmu"),
+            "'carbody.y=a.fmu' cannot be read; write it as instance=pa",
+        ),
+    ],
+)
+def test_bad_input_is_refused_with_what_there_was_to_choose_from(
+    arguments: tuple[str, ...], message: str
+) -> None:
+    assert message in refused("run", *arguments)
+
+
+@pytest.mark.parametrize(
+    ("command", "example"),
+    [
+        ((), "tracktrain run --car empty"),
+        (("run",), 'tracktrain run --track perfect --initial truck_front.yaw="0.005 deg"'),
+        (("build",), "tracktrain build --out"),
+    ],
+)
+def test_every_help_shows_an_example(command: tuple[str, ...], example: str) -> None:
+    result = CliRunner().invoke(main, [*command, "--help"])
+    assert result.exit_code == 0
+    assert example in result.stdout
+
+
+def test_python_m_is_the_same_command() -> None:
+    module = [sys.executable, "-m", "tracktrain", "run", "--speed", "60 kg"]
+    result = subprocess.run(module, capture_output=True, text=True, check=False)
+    assert result.returncode == 2
+    assert "'60 kg' is a mass, not a speed" in result.stderr
+    assert "Traceback" not in result.stderr

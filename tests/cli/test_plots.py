@@ -1,0 +1,79 @@
+"""Pictures show what the dataset holds, to the eye and in figures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.image import imread
+
+from tracktrain import plots
+
+RAILS = ("y_left", "y_right", "z_left", "z_right")
+
+
+@pytest.fixture
+def dataset() -> xr.Dataset:
+    """A car that sways at 1 Hz on a sinusoidal alignment of 2 mm amplitude, at 60 ft/s."""
+    time = np.arange(0.0, 8.0, 1e-3)
+    wave = np.sin(2.0 * np.pi * time)
+    variables = {
+        "wheelset_11.force_y": 10e3 * wave,
+        "wheelset_11.y_rel": 5e-3 * wave,
+        "track.speed_out": np.full_like(time, 18.288),
+        "track.distance": 18.288 * time,
+        **{f"track.axle[1].rail_{rail}": 2e-3 * wave * rail.startswith("y") for rail in RAILS},
+        **{f"carbody.cg.{name}": wave for name in ("y", "roll", "yaw", "ay", "az")},
+    }
+    return xr.Dataset({n: ("time", v) for n, v in variables.items()}, coords={"time": time})
+
+
+def test_lateral_force_picture_gives_rms_and_peak_in_both_units(dataset: xr.Dataset) -> None:
+    (axes,) = plots.plot_lateral_force(dataset).axes
+    title = axes.get_title(loc="left")
+    assert "40.9 mph (60 ft/s)" in title
+    assert "rms (dashed) 7.07 kN (1,590 lb)" in title
+    assert "peak 10 kN (2,250 lb)" in title
+
+
+def test_track_picture_leaves_out_channels_that_are_perfect(dataset: xr.Dataset) -> None:
+    labels = [axes.get_ylabel() for axes in plots.plot_track(dataset).axes]
+    assert labels == ["alignment\n[mm]"]
+    drawn = plots.plot_track(dataset).axes[0].lines[0].get_ydata()
+    assert np.max(drawn) == pytest.approx(2.0, rel=1e-4)  # [mm]
+
+
+def test_perfect_track_is_drawn_as_such(dataset: xr.Dataset) -> None:
+    perfect = dataset.assign({f"track.axle[1].rail_{r}": dataset["time"] * 0 for r in RAILS})
+    assert ": perfect" in plots.plot_track(perfect).axes[0].get_title(loc="left")
+
+
+def test_long_run_keeps_its_peaks_in_a_picture_of_few_points(dataset: xr.Dataset) -> None:
+    time = np.arange(200_003) * 1e-3
+    force = np.sin(time)
+    force[123_457], force[-1] = 9e3, -8e3
+    long = xr.Dataset({"wheelset_11.force_y": ("time", force)}, coords={"time": time})
+    line = plots.plot_lateral_force(long).axes[0].lines[0]
+    assert len(line.get_xdata()) < 2 * plots.POINTS
+    assert np.max(line.get_ydata()) == pytest.approx(9.0)
+    assert line.get_xdata()[np.argmax(line.get_ydata())] == pytest.approx(123.457)
+    assert np.min(line.get_ydata()) == pytest.approx(-8.0)
+    assert np.all(np.diff(line.get_xdata()) >= 0.0)
+
+
+def test_written_pictures_have_curves_in_them(dataset: xr.Dataset, tmp_path: Path) -> None:
+    files = plots.write_pictures(dataset, tmp_path)
+    assert {file.name for file in files} == set(plots.PICTURES)
+    for file in files:
+        image = imread(file)[..., :3]
+        inked = np.mean(image.min(axis=-1) < 0.9)
+        assert image.shape[1] > 800
+        assert 0.01 < inked < 0.5
+
+
+def test_pictures_of_missing_variables_are_left_out(dataset: xr.Dataset, tmp_path: Path) -> None:
+    without = dataset.drop_vars(["track.distance", "carbody.cg.az"])
+    names = [file.name for file in plots.write_pictures(without, tmp_path)]
+    assert names == ["lateral_force.png", "displacement.png"]

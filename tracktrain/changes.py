@@ -1,0 +1,88 @@
+"""Changes to a hopper car that know what its instances are: another FMU, initial coordinates."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .errors import HopperError, choices
+from .hopper import BLOCK_OF, required_ports
+
+if TYPE_CHECKING:
+    from orchestrator import System
+
+COORDINATE = "initial."
+
+
+def swapped(system: System, instance: str, path: Path) -> tuple[System, list[str]]:
+    """The car with another FMU as `instance`, and the parameters of the car that it lacks.
+
+    Those that it has keep the car's values. Raises HopperError when ports are missing, and
+    orchestrator.FmuError for a file that cannot be coupled.
+    """
+    from orchestrator import describe
+
+    description = describe(path)
+    missing = sorted(required_ports(instance) - set(description.variables))
+    if missing:
+        raise HopperError(
+            f"'{path}' cannot stand in for {instance}: it lacks the ports {', '.join(missing)}; "
+            f"give an FMU with all ports of the block '{BLOCK_OF[instance]}'"
+        )
+    swap = system.with_fmu(instance, path)
+    component = swap.components[instance]
+    lacking = [name for name in component.parameters if name not in description.variables]
+    kept = {n: v for n, v in component.parameters.items() if n not in lacking}
+    components = {**swap.components, instance: replace(component, parameters=kept)}
+    return replace(swap, components=components), lacking
+
+
+def displaced(system: System, instance: str, coordinate: str, value: str) -> System:
+    """The car with a coordinate of a truck or of the carbody at `value`, say "0.005 deg".
+
+    Raises HopperError for a coordinate that the instance has not.
+    """
+    from orchestrator import describe
+
+    variables = describe(_fmu(system, instance)).variables
+    known = [name.removeprefix(COORDINATE) for name in variables if name.startswith(COORDINATE)]
+    if not known:
+        raise HopperError(
+            f"{instance} has no initial coordinates; carbody, truck_front and truck_rear have"
+        )
+    if coordinate not in known:
+        raise HopperError(
+            f"{instance} has no initial coordinate '{coordinate}'; {choices(coordinate, known)}"
+        )
+    return assigned(system, instance, f"{COORDINATE}{coordinate}", value)
+
+
+def assigned(system: System, instance: str, name: str, value: str) -> System:
+    """The car with a parameter of an instance at `value`, say "200 lbf/in".
+
+    Raises HopperError for a number without the unit that it needs; the orchestrator refuses
+    whatever else does not fit when the run begins.
+    """
+    from orchestrator import describe
+
+    variable = describe(_fmu(system, instance)).variables.get(name)
+    unit = variable.unit if variable else None
+    if unit not in (None, "", "1") and _is_bare_number(value):
+        raise HopperError(
+            f"{instance}.{name} cannot be '{value}': the unit is missing; "
+            f'write it in {unit} or a unit that measures the same, as in "{value} {unit}"'
+        )
+    return system.with_value(f"{instance}.{name}", value)
+
+
+def _fmu(system: System, instance: str) -> Path:
+    return Path(str(system.components[instance].fmu))
+
+
+def _is_bare_number(value: str) -> bool:
+    try:
+        return float(value) != 0.0 and math.isfinite(float(value))
+    except ValueError:
+        return False

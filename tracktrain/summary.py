@@ -1,0 +1,76 @@
+"""The table that a run ends with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Group
+from rich.table import Table
+
+from .scales import ACCELERATION, DISPLACEMENT, FORCE, RATIO, Scale, three_digits
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from rich.console import RenderableType
+
+    from orchestrator import Run
+
+ROWS: Mapping[str, Mapping[str, tuple[str, Scale]]] = {
+    "leading axle": {
+        "lateral force": ("wheelset_11.force_y", FORCE),
+        "displacement to rail": ("wheelset_11.y_rel", DISPLACEMENT),
+        "L/V of left wheel": ("wheelset_11.left.l_over_v", RATIO),
+        "L/V of right wheel": ("wheelset_11.right.l_over_v", RATIO),
+    },
+    "carbody acceleration": {
+        "lateral": ("carbody.cg.ay", ACCELERATION),
+        "vertical": ("carbody.cg.az", ACCELERATION),
+    },
+}
+"""Groups of what is shown: the variable that it is read from, and its units."""
+
+
+def summary(run: Run) -> RenderableType:
+    """Statistics of the variables of `ROWS` that the run has, then how well the run went."""
+    return Group(_responses(run.dataset), _quality(run))
+
+
+def _responses(dataset: xr.Dataset) -> Table:
+    table = Table(
+        "",
+        "",
+        "rms",
+        "peak",
+        "dominant\nfrequency",
+        box=SIMPLE_HEAD,
+        pad_edge=False,
+        collapse_padding=True,
+    )
+    for column in table.columns[2:]:
+        column.justify, column.no_wrap = "right", True
+    for group, rows in ROWS.items():
+        table.add_row(group, style="bold")
+        for label, (variable, scale) in rows.items():
+            if variable in dataset:
+                table.add_row(f" {label}", scale.units, *_statistics(dataset[variable], scale))
+    return table
+
+
+def _statistics(values: xr.DataArray, scale: Scale) -> tuple[str, str, str]:
+    from orchestrator.metrics import dominant_frequency, peak, rms
+
+    moves = values.size > 2 and bool((values != values[0]).any())
+    frequency = f"{dominant_frequency(values):.2f} Hz" if moves else "-"
+    return scale.numbers(rms(values)), scale.numbers(peak(values)), frequency
+
+
+def _quality(run: Run) -> Table:
+    table = Table.grid(padding=(0, 2))
+    if run.bonds:
+        worst = max(run.bonds, key=lambda bond: bond.relative)
+        table.add_row("energy residual", f"{worst.relative:.1e} of the energy that passed, at most")
+        table.add_row("", f"({worst.name})")
+    table.add_row("real-time factor", three_digits(run.real_time_factor))
+    return table
