@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
@@ -122,9 +122,7 @@ class Block(ABC):
         """
         p = _symbols(self.parameters)
         values = self.derived(p)
-        return ca.Function(
-            "derived", [_vector(p)], [ca.vertcat(*[ca.vec(ca.SX(v)) for v in values.values()])]
-        )
+        return ca.Function("derived", [_vector(p)], [_flat(values)])
 
     def derived_shapes(self) -> dict[str, tuple[int, int]]:
         """Name and shape of each derived constant, in order."""
@@ -158,6 +156,13 @@ class Block(ABC):
         self, x: Signals, u: Signals, p: Signals, d: Signals, lookup: ca.SX | None
     ) -> Signals:
         """Outputs at a communication point. lookup: (rows, stations) of the table, if any."""
+
+    def output_function(self) -> ca.Function | None:
+        """CasADi function (x, u, p, d, lookup) -> y of vectors, for outputs with branches (MX).
+
+        None: the outputs are what `output` states.
+        """
+        return None
 
     def derivative(self, x: Signals, u: Signals, p: Signals, d: Signals) -> Signals:
         """Time derivatives of the states, friction stuck or slipping as the state says."""
@@ -199,7 +204,7 @@ class Functions:
         rows, columns = (block.table.rows, block.table.station_count) if block.table else (0, 0)
         lookup = ca.SX.sym("lookup", rows, columns)
         pv, uv, xv = _vector(p), _vector(u), _vector(x)
-        dv = ca.vertcat(*[ca.vec(v) for v in d.values()]) if d else ca.SX(0, 1)
+        dv = _flat(d)
 
         self.derived = block.derived_function()
         self.initial = ca.Function(
@@ -218,18 +223,38 @@ class Functions:
         self.stations = ca.Function(
             "stations", [xv, uv, pv, dv], [ca.densify(block.stations(x, u, p, d))]
         )
-        y = _ordered(block.outputs, block.output(x, u, p, d, lookup if block.table else None))
-        arguments = [xv, uv, pv, dv, lookup]
-        self.outputs = ca.Function("outputs", arguments, [y])
-        seed = ca.SX.sym("seed", uv.shape)
-        self.outputs_forward = ca.Function(
-            "outputs_forward", [*arguments, seed], [ca.densify(ca.jtimes(y, uv, seed))]
-        )
+        self.outputs, self.outputs_forward = _outputs(block, x, u, p, d, lookup)
         self.derivative = ca.Function(
             "derivative",
             [xv, uv, pv, dv],
             [_ordered(block.states, block.derivative(x, u, p, d))],
         )
+
+
+def _outputs(
+    block: Block,
+    x: dict[str, ca.SX],
+    u: dict[str, ca.SX],
+    p: dict[str, ca.SX],
+    d: dict[str, ca.SX],
+    lookup: ca.SX,
+) -> tuple[ca.Function, ca.Function]:
+    """The outputs, and their derivative in a direction of the inputs."""
+    function = block.output_function()
+    if function is None:
+        arguments = [_vector(x), _vector(u), _vector(p), _flat(d), lookup]
+        y = _ordered(block.outputs, block.output(x, u, p, d, lookup if block.table else None))
+        function = ca.Function("outputs", arguments, [y])
+    plain = function.is_a("SXFunction")
+    at: list[Any] = function.sx_in() if plain else function.mx_in()
+    seed: Any = (ca.SX if plain else ca.MX).sym("seed", len(u))
+    forward = ca.densify(ca.jtimes(function(*at), at[1], seed))
+    return function, ca.Function("outputs_forward", [*at, seed], [forward])
+
+
+def _flat(constants: Signals) -> ca.SX:
+    """All constants in one column."""
+    return ca.vertcat(*[ca.vec(ca.SX(v)) for v in constants.values()]) if constants else ca.SX(0, 1)
 
 
 def _symbols(variables: Sequence[Variable]) -> dict[str, ca.SX]:

@@ -87,7 +87,7 @@ def _write_archive(path: Path, files: Mapping[str, bytes]) -> None:
                 info.external_attr = 0o644 << 16
                 archive.writestr(info, files[file])
         Path(name).chmod(0o644)
-        os.replace(name, path)
+        Path(name).replace(path)
     except BaseException:
         Path(name).unlink(missing_ok=True)
         raise

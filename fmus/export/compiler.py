@@ -77,7 +77,7 @@ def compile_library(
     names = [path.name for path in sources]
     folder = next(iter(sources)).parent
     command = [*compiler_command(target), *flags, *names, "-o", str(library.resolve())]
-    if not target.suffix == ".dll":
+    if target.suffix != ".dll":
         command.append("-lm")
     cache = platformdirs.user_cache_path("tracktrain") / "zig"
     environment = {"ZIG_GLOBAL_CACHE_DIR": str(cache), "ZIG_LOCAL_CACHE_DIR": str(cache)}

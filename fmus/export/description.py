@@ -107,10 +107,12 @@ def _variables(root: Element, block: Block, start: Mapping[str, float]) -> None:
         return SubElement(
             model,
             "ScalarVariable",
-            name=variable.name,
-            valueReference=str(count),
-            description=variable.description,
-            **attributes,
+            {
+                "name": variable.name,
+                "valueReference": str(count),
+                "description": variable.description,
+                **attributes,
+            },
         )
 
     def real(element: Element, variable: Variable, **attributes: str) -> None:
@@ -137,7 +139,7 @@ def _variables(root: Element, block: Block, start: Mapping[str, float]) -> None:
         elif parameter.kind == "boolean":
             SubElement(element, "Boolean", start="true" if value else "false")
         else:
-            SubElement(element, "Integer", start=str(int(value)), **bounds)
+            SubElement(element, "Integer", {"start": str(int(value)), **bounds})
     for port in block.inputs:
         element = scalar(port, causality="input", variability="continuous")
         real(element, port, start=repr(float(port.start)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
 import pint
@@ -42,7 +43,7 @@ def _power(factor: str) -> str:
     return f"{stem}**{factor[len(stem) :]}" if stem and len(stem) < len(factor) else factor
 
 
-def _whole(unit: str, power: float) -> int:
+def _whole(unit: str, power: Any) -> int:
     if power != int(power):
         raise ValueError(f"unit {unit!r} has a broken exponent {power}")
     return int(power)

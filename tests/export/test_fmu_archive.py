@@ -18,16 +18,52 @@ from fmus.export import build_block
 from fmus.export.code import generated_functions
 from fmus.export.units import base_exponents
 
-FMI2_FUNCTIONS = """
-GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment
-EnterInitializationMode ExitInitializationMode Terminate Reset GetReal GetInteger GetBoolean
-GetString SetReal SetInteger SetBoolean SetString GetFMUstate SetFMUstate FreeFMUstate
-SerializedFMUstateSize SerializeFMUstate DeSerializeFMUstate GetDirectionalDerivative
-EnterEventMode NewDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime
-SetContinuousStates GetDerivatives GetEventIndicators GetContinuousStates
-GetNominalsOfContinuousStates SetRealInputDerivatives GetRealOutputDerivatives DoStep CancelStep
-GetStatus GetRealStatus GetIntegerStatus GetBooleanStatus GetStringStatus
-""".split()
+FMI2_FUNCTIONS = (
+    "GetTypesPlatform",
+    "GetVersion",
+    "SetDebugLogging",
+    "Instantiate",
+    "FreeInstance",
+    "SetupExperiment",
+    "EnterInitializationMode",
+    "ExitInitializationMode",
+    "Terminate",
+    "Reset",
+    "GetReal",
+    "GetInteger",
+    "GetBoolean",
+    "GetString",
+    "SetReal",
+    "SetInteger",
+    "SetBoolean",
+    "SetString",
+    "GetFMUstate",
+    "SetFMUstate",
+    "FreeFMUstate",
+    "SerializedFMUstateSize",
+    "SerializeFMUstate",
+    "DeSerializeFMUstate",
+    "GetDirectionalDerivative",
+    "EnterEventMode",
+    "NewDiscreteStates",
+    "EnterContinuousTimeMode",
+    "CompletedIntegratorStep",
+    "SetTime",
+    "SetContinuousStates",
+    "GetDerivatives",
+    "GetEventIndicators",
+    "GetContinuousStates",
+    "GetNominalsOfContinuousStates",
+    "SetRealInputDerivatives",
+    "GetRealOutputDerivatives",
+    "DoStep",
+    "CancelStep",
+    "GetStatus",
+    "GetRealStatus",
+    "GetIntegerStatus",
+    "GetBooleanStatus",
+    "GetStringStatus",
+)
 
 
 def test_fmpy_validate_finds_nothing(block_name):
@@ -105,9 +141,24 @@ def test_importers_that_compile_the_sources_get_the_same_block(tmp_path, block_n
     folder = fmpy.extract(str(fmu_path(block_name)), str(tmp_path))
     sources = [f"sources/{name}" for name in ("block.c", "core.c", "fmi2.c")]
     done = subprocess.run(
-        ["cc", "-std=c11", "-Wall", "-Wextra", "-Wno-unused-parameter", "-Wno-unused-function",
-         "-fPIC", "-shared", *sources, "-o", "block.so", "-lm"],
-        cwd=folder, capture_output=True, text=True, check=False,
+        [
+            "cc",
+            "-std=c11",
+            "-Wall",
+            "-Wextra",
+            "-Wno-unused-parameter",
+            "-Wno-unused-function",
+            "-fPIC",
+            "-shared",
+            *sources,
+            "-o",
+            "block.so",
+            "-lm",
+        ],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
     assert "core.c" not in done.stderr and "fmi2.c" not in done.stderr, done.stderr

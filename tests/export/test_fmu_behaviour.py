@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
+from fmu_instance import FmuInstance
 
 from fmus import BLOCKS
 from fmus.catalogue import fmu_path
-from fmu_instance import FmuInstance
 
 STEP = 1e-3
 
@@ -95,9 +95,7 @@ def test_directional_derivatives_agree_with_differences(instantiate, block_name)
         )
         instance.set(base)
         exact = np.array(
-            instance.slave.getDirectionalDerivative(
-                instance.vr(*outputs), instance.vr(name), [1.0]
-            )
+            instance.slave.getDirectionalDerivative(instance.vr(*outputs), instance.vr(name), [1.0])
         )
         difference = (high - low) / (2 * nudge)
         scale = np.abs(exact).max() + np.abs(np.array(instance.outputs())).max() * 1e-9 / nudge
@@ -118,7 +116,9 @@ def test_outputs_move_only_with_the_inputs_they_declare(instantiate, block_name)
     before = np.array(instance.outputs())
     for name in instance.names("input"):
         instance.set({**base, name: base[name] * 1.3 + 1e-4})
-        moved = {o for o, same in zip(outputs, instance.outputs() == before, strict=True) if not same}
+        moved = {
+            o for o, same in zip(outputs, instance.outputs() == before, strict=True) if not same
+        }
         assert moved <= {o for o in outputs if name in declared[o]}, name
 
 
@@ -166,7 +166,7 @@ def test_a_negative_mass_is_refused_with_its_range(instantiate):
     truck = instantiate("truck", "truck_front")
     with pytest.raises(FMICallException):
         truck.set({"wheelset_mass": -3.0})
-    assert "wheelset_mass = -3 kg is outside its range" in truck.messages[-1]
+    assert "wheelset_mass cannot be -3 kg: its range is" in truck.messages[-1]
 
 
 def test_a_fixed_parameter_cannot_change_during_a_run(instantiate):
@@ -189,7 +189,9 @@ def test_unknown_value_references_are_refused(instantiate, block_name):
     for call in (
         lambda: slave.getReal([100000]),
         lambda: slave.setReal([100000], [0.0]),
-        lambda: slave.getDirectionalDerivative([100000], instance.vr(instance.names("input")[0]), [1.0]),
+        lambda: slave.getDirectionalDerivative(
+            [100000], instance.vr(instance.names("input")[0]), [1.0]
+        ),
         lambda: slave.setRealInputDerivatives([100000], [1], [0.0]),
     ):
         with pytest.raises(FMICallException):
@@ -208,7 +210,7 @@ def test_an_enumeration_takes_its_items_only(instantiate):
     track = instantiate("track")
     with pytest.raises(FMICallException):
         track.slave.setInteger(track.vr("spectrum"), [99])
-    assert "spectrum = 99 1 is outside its range 1 to" in track.messages[-1]
+    assert "spectrum cannot be 99: its range is 1 to" in track.messages[-1]
 
 
 def test_calls_out_of_order_are_refused(instantiate, block_name):

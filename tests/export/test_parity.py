@@ -26,7 +26,9 @@ def test_fmu_and_python_agree_over_random_states(instantiate, block_name, seed):
     twin.initialize()
     for k in range(40):
         inputs = scaled_inputs(instance, rng)
-        rates = {name: (scaled_inputs(instance, rng)[name] - v) / STEP for name, v in inputs.items()}
+        rates = {
+            name: (scaled_inputs(instance, rng)[name] - v) / STEP for name, v in inputs.items()
+        }
         if "speed" in rates:
             rates["speed"] = 1.0
         instance.set(inputs)
@@ -46,4 +48,6 @@ def test_fmu_and_python_agree_over_random_states(instantiate, block_name, seed):
         instance.vr(*instance.names("output")), instance.vr(*direction), list(direction.values())
     )
     expected = twin.directional(direction)
-    assert np.allclose(exact, expected, rtol=tolerances.PARITY, atol=tolerances.PARITY * np.abs(expected).max())
+    assert np.allclose(
+        exact, expected, rtol=tolerances.PARITY, atol=tolerances.PARITY * np.abs(expected).max()
+    )

@@ -176,16 +176,16 @@ static Status check_settable(Instance *instance, uint32_t reference, Kind kind, 
     if (reference >= FIRST_OUTPUT)
         return core_fail(instance, "%s is an output and cannot be set", OUTPUT_NAME[reference - FIRST_OUTPUT]);
     const VariableInfo *info = VARIABLE_INFO + reference - 1;
+    int pure = strcmp(info->unit, "1") == 0; /* a pure number's unit is not shown */
     int same = info->kind == kind || (info->kind == ENUMERATION && kind == INTEGER);
     if (!same)
         return core_fail(instance, "%s is of type %s and cannot be set as %s", info->name,
                          KIND[info->kind], KIND[kind]);
     if (!finite_number(value))
-        return core_fail(instance, "%s [%s] cannot be %g: a finite number is needed", info->name,
-                         info->unit, value);
+        return core_fail(instance, "%s cannot be %g: a finite number is needed", info->name, value);
     if (value < info->minimum || value > info->maximum)
-        return core_fail(instance, "%s = %.17g %s is outside its range %g to %g", info->name, value,
-                         info->unit, info->minimum, info->maximum);
+        return core_fail(instance, "%s cannot be %g%s%s: its range is %g to %g", info->name, value,
+                         pure ? "" : " ", pure ? "" : info->unit, info->minimum, info->maximum);
     if (reference < FIRST_INPUT && s->phase == RUNNING && !info->tunable)
         return core_fail(instance, "%s is a fixed parameter: set it before the run starts", info->name);
     return OK;

@@ -1,0 +1,30 @@
+"""Spring with free play, and elastic-slip (Jenkins) friction: the parallel pair of every joint.
+
+The friction element is a spring in series with a slider. Its memory is the slip, the strain at
+which the spring is free of load. Keeping the slip rather than the force makes the element's
+force a function of the present strain, also when a master corrects the strain between steps.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+
+def clip(value: ca.SX, limit: ca.SX) -> ca.SX:
+    """The value limited to +-limit."""
+    return ca.fmax(-limit, ca.fmin(value, limit))
+
+
+def spring_force(strain: ca.SX, stiffness: ca.SX, stop_stiffness: ca.SX, free_play: ca.SX) -> ca.SX:
+    """Force K0 eps + K1 (eps - Delta sgn eps) beyond the free play. # report (4-27), erratum 9"""
+    return stiffness * strain + stop_stiffness * (strain - clip(strain, free_play))
+
+
+def friction_force(strain: ca.SX, slip: ca.SX, stiffness: ca.SX, limit: ca.SX) -> ca.SX:
+    """Force of the friction element with its slider at rest or giving way. # report (4-28)"""
+    return clip(stiffness * (strain - slip), limit)
+
+
+def slip_after(strain: ca.SX, slip: ca.SX, reach: ca.SX) -> ca.SX:
+    """The slip when the strain has moved; the slider follows at the distance `reach` = f/Kf."""
+    return ca.fmax(strain - reach, ca.fmin(slip, strain + reach))

@@ -1,0 +1,194 @@
+"""The track block: irregularities under the four axles of a car."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import casadi as ca
+
+from ..block import Block, Input, Output, Parameter, Signals, State, Table
+from .irregularity import (
+    LINE_ROWS,
+    LINES,
+    NODES,
+    SPACING,
+    channel_lines,
+    page_function,
+)
+from .spectra import CHANNELS, SPECTRA
+
+AXLES = (1, 2, 3, 4)
+LINES_SHAPE = (len(LINE_ROWS), LINES * len(CHANNELS))
+
+
+def _scale(channel: str) -> Parameter:
+    return Parameter(
+        f"{channel}_scale",
+        "1",
+        f"Factor on the {channel.replace('_', '-')} irregularity",
+        minimum=0.0,
+        default=1.0,
+    )
+
+
+def _rails(axle: int) -> list[Output]:
+    return [
+        Output(
+            f"axle[{axle}].rail_{axis}_{side}",
+            "m",
+            f"{direction} displacement of the {side} rail under axle {axle}",
+            nominal=1e-3,
+        )
+        for axis, direction in (("y", "Lateral"), ("z", "Vertical"))
+        for side in ("left", "right")
+    ]
+
+
+class Track(Block):
+    """Rails that move with the distance travelled. Equation numbers: README.md of this folder."""
+
+    name = "track"
+    description = "Track irregularities under the four axles of a car, from a spectrum and a seed"
+    parameters = (
+        Parameter(
+            "spectrum",
+            "1",
+            "Spectrum of the irregularities",
+            kind="enumeration",
+            choices=SPECTRA,
+            default=1.0,
+        ),
+        Parameter(
+            "seed",
+            "1",
+            "Number of the realisation; the same seed is the same track",
+            kind="integer",
+            minimum=0,
+            maximum=2**31 - 1,
+            default=1.0,
+        ),
+        Parameter(
+            "report_rms",
+            "m",
+            "Rms of the alignment of the spectrum `report`",
+            symbol="sigma",
+            minimum=0.0,
+        ),
+        Parameter(
+            "wavelength_min",
+            "m",
+            "Shortest wave of the spectra other than `report`",
+            symbol="lambda_min",
+            minimum=0.5,
+        ),
+        Parameter(
+            "wavelength_max",
+            "m",
+            "Longest wave of the spectra other than `report`",
+            symbol="lambda_max",
+            minimum=0.5,
+        ),
+        Parameter(
+            "fade_length",
+            "m",
+            "Length over which the irregularities grow to their full size, from station 0",
+            symbol="s_f",
+            minimum=0.0,
+        ),
+        *(_scale(channel) for channel in CHANNELS),
+        Parameter(
+            "half_truck_spacing",
+            "m",
+            "Half distance of the truck centres",
+            symbol="l_c",
+            minimum=0.0,
+        ),
+        Parameter("half_wheelbase", "m", "Half wheelbase of a truck", symbol="L_X", minimum=0.0),
+    )
+    inputs = (Input("speed", "m/s", "Speed of the car", start=18.288),)
+    outputs = (
+        Output("distance", "m", "Distance travelled", nominal=100.0),
+        Output("speed_out", "m/s", "Speed, passed through", derivative_of="distance"),
+        *(rail for axle in AXLES for rail in _rails(axle)),
+    )
+    states = (State("distance", "m", "Distance travelled"),)
+    table: Table
+
+    def __init__(self) -> None:
+        page, d = ca.MX.sym("page"), ca.MX.sym("d", LINES_SHAPE[0] * LINES_SHAPE[1] + len(CHANNELS))
+        lines = ca.reshape(d[: -len(CHANNELS)], *LINES_SHAPE)
+        nodes = page_function()(page, lines, d[-len(CHANNELS) :])
+        self.table = Table(
+            spacing=SPACING,
+            nodes_per_page=NODES,
+            values=2 * len(CHANNELS),
+            station_count=len(AXLES),
+            page=ca.Function("page", [page, d], [nodes]),
+        )
+
+    def derived_shapes(self) -> dict[str, tuple[int, int]]:
+        """The lines of all channels, and each channel's rms [m]."""
+        return {"lines": LINES_SHAPE, "rms": (len(CHANNELS), 1)}
+
+    def derived_function(self) -> ca.Function:
+        """(3) to (7): the lines, drawn once."""
+        p = ca.MX.sym("p", len(self.parameters))
+        value = {v.name: p[i] for i, v in enumerate(self.parameters)}
+        lines, rms = channel_lines()(
+            *(
+                value[name]
+                for name in ("spectrum", "seed", "report_rms", "wavelength_min", "wavelength_max")
+            ),
+            ca.vertcat(*(value[f"{channel}_scale"] for channel in CHANNELS)),
+        )
+        return ca.Function("derived", [p], [ca.vertcat(ca.vec(lines), rms)])
+
+    def initial(self, p: Signals, d: Signals, u: Signals) -> Signals:
+        return {"distance": ca.SX(0)}
+
+    def derivative(self, x: Signals, u: Signals, p: Signals, d: Signals) -> Signals:
+        return {"distance": u["speed"]}
+
+    def step(
+        self, x: Signals, u: Signals, rate: Signals, p: Signals, d: Signals, h: ca.SX
+    ) -> tuple[Signals, Signals]:
+        """(11), exact for a speed that varies linearly."""
+        return {"distance": x["distance"] + (u["speed"] + 0.5 * h * rate["speed"]) * h}, {}
+
+    def stations(self, x: Signals, u: Signals, p: Signals, d: Signals) -> ca.SX:
+        """(10): the leading axle starts at station 0, the others behind it, on perfect track."""
+        truck, axle = 2 * p["half_truck_spacing"], 2 * p["half_wheelbase"]
+        behind = ca.vertcat(0, axle, truck, truck + axle)
+        return ca.fmax(x["distance"] - behind, 0)
+
+    def output(
+        self, x: Signals, u: Signals, p: Signals, d: Signals, lookup: ca.SX | None
+    ) -> Signals:
+        assert lookup is not None
+        y: dict[str, ca.SX] = {"distance": x["distance"], "speed_out": u["speed"]}
+        stations = self.stations(x, u, p, d)
+        for column, axle in enumerate(AXLES):
+            a, v, xl, g = _interpolate(lookup[:, column])
+            fade = _smoothstep(stations[column], p["fade_length"])
+            rails = (a + g / 2, a - g / 2, v + xl / 2, v - xl / 2)  # (9)
+            for output, value in zip(_rails(axle), rails, strict=True):
+                y[output.name] = fade * value
+        return y
+
+
+def _interpolate(column: ca.SX) -> Sequence[ca.SX]:
+    """Cubic Hermite interpolation of the four channels between two nodes, (8)."""
+    t, nodes = column[0], ca.reshape(column[1:], 2 * len(CHANNELS), 2)
+    left, right = nodes[:, 0], nodes[:, 1]
+    rest = 1 - t
+    values = (
+        rest * rest * ((1 + 2 * t) * left[0::2] + t * SPACING * left[1::2])
+        + t * t * ((1 + 2 * rest) * right[0::2] - rest * SPACING * right[1::2])
+    )  # fmt: skip
+    return ca.vertsplit(values)
+
+
+def _smoothstep(station: ca.SX, length: ca.SX) -> ca.SX:
+    """Fade-in: 0 to 1 over the length [m], with continuous slope and curvature."""
+    u = ca.fmin(station / ca.fmax(length, 1e-6), 1)
+    return u * u * u * (10 + u * (6 * u - 15))

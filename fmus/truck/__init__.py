@@ -1,0 +1,5 @@
+"""The truck block: a six-mode nonlinear analog of a three-piece freight truck."""
+
+from .block import Truck
+
+__all__ = ["Truck"]

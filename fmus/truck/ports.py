@@ -1,0 +1,247 @@
+"""What a truck reads, writes and can be told: its variables and parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..block import Input, Output, Parameter, State, Tangent
+
+AXLES = (1, 2)
+COORDINATES = {
+    "lateral": ("m", "Trailing axle lateral"),
+    "yaw": ("rad", "Rigid yaw"),
+    "roll": ("rad", "Bolster roll"),
+    "warp": ("rad", "Warp (lozenge) angle of the side frames"),
+    "bolster_lateral": ("m", "Bolster lateral relative to the side frames"),
+    "bolster_vertical": ("m", "Bolster vertical"),
+}
+"""The coordinates q[1..6], with unit and description."""
+
+ELEMENTS = {
+    "centre_plate_lateral": "m",
+    "centre_plate_yaw": "rad",
+    "bolster_roll": "rad",
+    "bolster_vertical": "m",
+    "bolster_lateral": "m",
+    "warp": "rad",
+}
+"""The spring-and-friction elements 1..6, with the unit of their strain; report Table 4-5."""
+
+SHARES = {"force_y": "N", "moment_z": "N.m"}
+"""Wheel/rail loads of one axle."""
+
+OWN_MOTION = {"y": "m", "yaw": "rad", "vy": "m/s", "wz": "rad/s"}
+"""Motion of one axle, that the wheel/rail loads follow."""
+
+_FORCE = {"m": "N", "rad": "N.m"}
+_STIFFNESS = {"m": "N/m", "rad": "N.m/rad"}
+_NOMINAL = {"m": 1e-2, "rad": 1e-3, "N": 1e4, "N.m": 1e4}
+
+
+def _element_parameters(name: str, number: int, unit: str) -> Sequence[Parameter]:
+    title = name.replace("_", " ")
+    stiffness = _STIFFNESS[unit]
+
+    def parameter(which: str, kind: str, symbol: str, text: str) -> Parameter:
+        return Parameter(
+            f"{name}.{which}",
+            kind,
+            f"{text}, {title}",
+            symbol=f"{symbol}_{number}",
+            minimum=0.0,
+            tunable=True,
+        )
+
+    return (
+        parameter("stiffness", stiffness, "K0", "Spring stiffness"),
+        parameter("stop_stiffness", stiffness, "K1", "Further stiffness beyond the free play"),
+        parameter("friction_stiffness", stiffness, "Kf", "Stiffness of the stuck friction"),
+        parameter("friction_limit", _FORCE[unit], "f", "Largest friction"),
+        parameter("free_play", unit, "Delta", "Free play to the stop"),
+    )
+
+
+def _contact_parameters(name: str, unit: str, suffix: str, inertia: str) -> Sequence[Parameter]:
+    title = name.removeprefix("contact_")
+    return (
+        Parameter(
+            f"{name}.stiffness",
+            unit,
+            f"Centre plate contact stiffness, {title}",
+            symbol=f"k_c{suffix}",
+            minimum=0.0,
+        ),
+        Parameter(
+            f"{name}.damping_ratio",
+            "1",
+            f"Damping ratio of the {title} contact on the {inertia}",
+            symbol=f"zeta_c{suffix}",
+            minimum=0.0,
+        ),
+    )
+
+
+def _mass(name: str, symbol: str, what: str) -> Parameter:
+    return Parameter(name, "kg", f"Mass of {what}", symbol=symbol, minimum=1.0)
+
+
+def _inertia(name: str, symbol: str, what: str) -> Parameter:
+    return Parameter(name, "kg.m2", what, symbol=symbol, minimum=1.0)
+
+
+def _length(name: str, symbol: str, what: str) -> Parameter:
+    return Parameter(name, "m", what, symbol=symbol, minimum=0.01)
+
+
+PARAMETERS = (
+    _length("half_wheelbase", "L_X", "Half wheelbase"),
+    _length("half_contact_spacing", "L_Y", "Half distance of the contact points of a wheelset"),
+    _length("half_side_frame_spacing", "d", "Half distance of the side frames"),
+    _length("centre_plate_height", "h_cp", "Height of the centre plate above the rails"),
+    Parameter(
+        "axle_load", "N", "Static weight on the rails of one axle", symbol="W_axle", minimum=1.0
+    ),
+    _mass("wheelset_mass", "m_w", "one wheelset"),
+    _inertia("wheelset_yaw_inertia", "I_w", "Yaw inertia of one wheelset"),
+    _mass("side_frame_mass", "m_s", "one side frame"),
+    _inertia("side_frame_yaw_inertia", "I_s", "Yaw inertia of one side frame"),
+    _mass("bolster_mass", "m_b", "the bolster"),
+    _inertia("bolster_yaw_inertia", "I_bz", "Yaw inertia of the bolster"),
+    _inertia("bolster_roll_inertia", "I_bx", "Roll inertia of the bolster"),
+    *_contact_parameters("contact_vertical", "N/m", "z", "bolster mass"),
+    *_contact_parameters("contact_roll", "N.m/rad", "r", "bolster roll inertia"),
+    *(
+        parameter
+        for number, (name, unit) in enumerate(ELEMENTS.items(), start=1)
+        for parameter in _element_parameters(name, number, unit)
+    ),
+    Parameter(
+        "wedge_law",
+        "1",
+        "Friction of the wedges: constant (ASF) or proportional to the spring load (Barber)",
+        kind="enumeration",
+        choices=("constant", "load_proportional"),
+        default=1.0,
+    ),
+    Parameter(
+        "micro_step",
+        "s",
+        "Largest step of the integration inside a macro step",
+        symbol="h",
+        minimum=1e-7,
+        maximum=1e-2,
+        tunable=True,
+        default=2.5e-4,
+    ),
+    *(
+        Parameter(
+            f"initial.{name}{suffix}", f"{unit}{per}", f"{text} at the start{rate}", default=0
+        )
+        for suffix, per, rate in (("", "", ""), ("_rate", "/s", ", rate"))
+        for name, (unit, text) in COORDINATES.items()
+    ),
+)
+
+_CAR_MOTION = {
+    "y": ("m", "Lateral displacement"),
+    "z": ("m", "Vertical displacement"),
+    "roll": ("rad", "Roll"),
+    "yaw": ("rad", "Yaw"),
+    "vy": ("m/s", "Lateral velocity"),
+    "vz": ("m/s", "Vertical velocity"),
+    "wx": ("rad/s", "Roll rate"),
+    "wz": ("rad/s", "Yaw rate"),
+}
+
+INPUTS = (
+    *(
+        Input(f"car.{name}", unit, f"{text} of the carbody at the centre plate")
+        for name, (unit, text) in _CAR_MOTION.items()
+    ),
+    *(
+        Input(f"axle[{k}].{name}", unit, f"{text} of the rails on wheelset {k}")
+        for k in AXLES
+        for name, unit, text in (
+            ("force_y", "N", "Lateral force"),
+            ("moment_z", "N.m", "Yaw moment"),
+        )
+    ),
+    *(
+        Input(f"axle[{k}].rail_z_{side}", "m", f"Height of the {side} rail under axle {k}")
+        for k in AXLES
+        for side in ("left", "right")
+    ),
+    *(
+        Input(
+            f"axle[{k}].{load}_per_{motion}",
+            f"{load_unit}.s/{unit.removesuffix('/s')}"
+            if unit.endswith("/s")
+            else f"{load_unit}/{unit}",
+            f"Derivative of axle[{k}].{load} with respect to axle[{k}].{motion}",
+            optional=True,
+        )
+        for k in AXLES
+        for load, load_unit in SHARES.items()
+        for motion, unit in OWN_MOTION.items()
+    ),
+)
+
+TANGENTS = tuple(
+    Tangent(f"axle[{k}].{load}", f"axle[{k}].{motion}", f"axle[{k}].{load}_per_{motion}")
+    for k in AXLES
+    for load in SHARES
+    for motion in OWN_MOTION
+)
+
+
+def _axle_outputs(k: int) -> Sequence[Output]:
+    axle = f"axle[{k}]"
+    return (
+        Output(f"{axle}.y", "m", f"Lateral displacement of axle {k}", nominal=1e-2),
+        Output(f"{axle}.yaw", "rad", f"Yaw of axle {k}", nominal=1e-3),
+        Output(f"{axle}.vy", "m/s", f"Lateral velocity of axle {k}", derivative_of=f"{axle}.y"),
+        Output(f"{axle}.wz", "rad/s", f"Yaw rate of axle {k}", derivative_of=f"{axle}.yaw"),
+        *(
+            Output(f"{axle}.load_{side}", "N", f"Load on the {side} wheel of axle {k}", nominal=1e5)
+            for side in ("left", "right")
+        ),
+    )
+
+
+OUTPUTS = (
+    *(output for k in AXLES for output in _axle_outputs(k)),
+    Output("car.force_y", "N", "Lateral force on the carbody", nominal=1e4),
+    Output("car.force_z", "N", "Vertical force on the carbody, beyond the static", nominal=1e4),
+    Output("car.moment_x", "N.m", "Roll moment on the carbody", nominal=1e4),
+    Output("car.moment_z", "N.m", "Yaw moment on the carbody", nominal=1e4),
+    *(
+        Output(f"q[{i}]", unit, text, nominal=_NOMINAL[unit])
+        for i, (unit, text) in enumerate(COORDINATES.values(), start=1)
+    ),
+    *(
+        Output(f"qd[{i}]", f"{unit}/s", f"{text}, rate", derivative_of=f"q[{i}]")
+        for i, (unit, text) in enumerate(COORDINATES.values(), start=1)
+    ),
+    *(
+        Output(
+            f"{part}[{i}]",
+            _FORCE[unit],
+            f"Force of the {part} in element {i}, {name.replace('_', ' ')}",
+            nominal=_NOMINAL[_FORCE[unit]],
+        )
+        for part in ("spring", "friction")
+        for i, (name, unit) in enumerate(ELEMENTS.items(), start=1)
+    ),
+)
+
+STATES = (
+    *(State(f"q[{i}]", unit, text) for i, (unit, text) in enumerate(COORDINATES.values(), start=1)),
+    *(
+        State(f"qd[{i}]", f"{unit}/s", f"{text}, rate")
+        for i, (unit, text) in enumerate(COORDINATES.values(), start=1)
+    ),
+    *(
+        State(f"slip[{i}]", unit, f"Slip of the friction in element {i}, {name.replace('_', ' ')}")
+        for i, (name, unit) in enumerate(ELEMENTS.items(), start=1)
+    ),
+)

@@ -1,0 +1,35 @@
+"""Values of the blocks' parameters, and instances of their Python twins."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fmus import BLOCKS
+from fmus.parameters import parameter_set
+from fmus.twin import Twin
+
+
+@pytest.fixture
+def values_of():
+    """Parameter values [SI] of a block, by its name and a parameter set's."""
+    return lambda block, name="loaded": parameter_set(name).values(BLOCKS[block]())
+
+
+@pytest.fixture
+def twin_of(values_of):
+    """An initialised twin of a block with changed parameters and inputs."""
+
+    def make(block: str, inputs=None, **changes) -> Twin:
+        twin = Twin(BLOCKS[block](), values_of(block) | changes)
+        for name, value in (inputs or {}).items():
+            twin.set(name, value)
+        twin.initialize()
+        return twin
+
+    return make
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(1980)
