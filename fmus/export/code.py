@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import casadi as ca
 
-from ..block import Block, Parameter
+from ..block import Block, Parameter, Variable
 
 NATIVE = Path(__file__).parent / "native"
 TABLE_SLOTS = 16
@@ -110,13 +110,18 @@ def _variables(block: Block, start: Mapping[str, float]) -> str:
     for port in block.inputs:
         rows.append(f'{{"{port.name}", "{port.unit}", REAL, 1, {port.start!r}, {-MAX!r}, {MAX!r}}}')
     table = ",\n    ".join(rows)
-    names = ",\n    ".join(f'"{v.name}"' for v in block.outputs)
     return (
-        f"/* Generated from the block {block.name!r}: parameters and inputs, then outputs. */\n"
+        f"/* Generated from the block {block.name!r}: parameters and inputs, outputs, states. */\n"
         '#include "core.h"\n\n'
         f"const VariableInfo VARIABLE_INFO[] = {{\n    {table}}};\n\n"
-        f"const char *const OUTPUT_NAME[] = {{\n    {names}}};\n"
+        f"const char *const OUTPUT_NAME[] = {{\n    {_names(block.outputs)}}};\n\n"
+        f"const char *const STATE_NAME[] = {{\n    {_names(block.states)}}};\n"
     )
+
+
+def _names(variables: Sequence[Variable]) -> str:
+    """Elements of a C table of names; a table of none would not be C."""
+    return ",\n    ".join(f'"{v.name}"' for v in variables) or "0"
 
 
 MAX = 1.7976931348623157e308

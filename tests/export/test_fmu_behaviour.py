@@ -153,6 +153,16 @@ def test_a_step_of_zero_length_changes_nothing(instantiate, block_name):
     assert instance.outputs() == before
 
 
+def test_a_state_that_becomes_infinite_is_named_with_the_time(instantiate):
+    truck = instantiate("truck").initialize()
+    truck.set({"axle[1].force_y": 1e308, "axle[2].force_y": 1e308})
+    with pytest.raises(FMICallException):
+        for k in range(1000):
+            truck.slave.doStep(k * STEP, STEP)
+    assert "is no longer finite after the step from t = " in truck.messages[-1]
+    assert truck.messages[-1].startswith(("q[", "qd[", "slip["))
+
+
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_an_input_that_is_not_finite_is_refused(instantiate, block_name, value):
     instance = instantiate(block_name).initialize()

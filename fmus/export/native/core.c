@@ -18,6 +18,16 @@ static int all_finite(const double *value, size_t count) {
     return sum == 0.0;
 }
 
+/* Name of a state, or of an input that follows its tangent, that is not finite; NULL if none. */
+static const char *first_lost(const double *x, const double *u) {
+    if (all_finite(x, N_STATES) && all_finite(u, N_INPUTS)) return NULL;
+    for (int i = 0; i < N_STATES; i++)
+        if (!finite_number(x[i])) return STATE_NAME[i];
+    for (int i = 0; i < N_INPUTS; i++)
+        if (!finite_number(u[i])) return VARIABLE_INFO[FIRST_INPUT - 1 + i].name;
+    return NULL;
+}
+
 Status core_fail(Instance *instance, const char *format, ...) {
     char message[512];
     va_list arguments;
@@ -161,8 +171,9 @@ Status core_finish_initialization(Instance *instance) {
     State *s = &instance->state;
     s->states_stale = s->outputs_stale = 1;
     if (refresh_states(instance) != OK) return ERROR;
-    if (!all_finite(s->x, N_STATES))
-        return core_fail(instance, "the initial state is not finite; check initial values and inputs");
+    const char *lost = first_lost(s->x, inputs(s));
+    if (lost)
+        return core_fail(instance, "%s is not finite at the start; check initial values and inputs", lost);
     s->phase = RUNNING;
     return OK;
 }
@@ -283,10 +294,11 @@ Status core_step(Instance *instance, double time, double size) {
         instance->res[1] = u[!now];
         CALL(step);
     }
-    if (!all_finite(x[now], N_STATES) || !all_finite(u[now], N_INPUTS))
-        return core_fail(instance, "the state became infinite in the step from t = %.17g s by %g s: "
+    const char *lost = first_lost(x[now], u[now]);
+    if (lost)
+        return core_fail(instance, "%s is no longer finite after the step from t = %.17g s by %g s: "
                                    "the coupling or the micro step is unstable; take a smaller step",
-                         time, size);
+                         lost, time, size);
     memcpy(s->x, x[now], sizeof s->x);
     memcpy(inputs(s), u[now], N_INPUTS * sizeof(double));
     memset(s->rate, 0, sizeof s->rate);

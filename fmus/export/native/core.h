@@ -33,6 +33,7 @@ typedef struct {
 /* Parameters and inputs, by value reference - 1. */
 extern const VariableInfo VARIABLE_INFO[];
 extern const char *const OUTPUT_NAME[];
+extern const char *const STATE_NAME[];
 
 /* All that a rollback restores; a copy of this struct is a saved state. */
 typedef struct {
