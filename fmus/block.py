@@ -114,6 +114,7 @@ class Block(ABC):
     states: Sequence[State] = ()
     tangents: Sequence[Tangent] = ()
     table: Table | None = None
+    switch: str | None = None
 
     def derived_function(self) -> ca.Function:
         """CasADi function of the parameter vector giving the derived constants, one vector each.
@@ -163,6 +164,13 @@ class Block(ABC):
         None: the outputs are what `output` states.
         """
         return None
+
+    def output_branches(self) -> Sequence[ca.Function]:
+        """The functions (x, u, p, d, lookup) -> y among which the parameter `switch` chooses.
+
+        What an output depends on is read off them, since a choice hides its own sparsity.
+        """
+        return [self.functions.outputs]
 
     def derivative(self, x: Signals, u: Signals, p: Signals, d: Signals) -> Signals:
         """Time derivatives of the states, friction stuck or slipping as the state says."""

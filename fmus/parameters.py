@@ -219,4 +219,4 @@ def _pint_unit(unit: str) -> pint.Unit:
 
 def _power(factor: str) -> str:
     stem = factor.rstrip("0123456789")
-    return f"{stem}**{factor[len(stem) :]}" if len(stem) < len(factor) else factor
+    return f"{stem}**{factor[len(stem) :]}" if stem and len(stem) < len(factor) else factor

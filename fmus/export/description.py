@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
@@ -185,8 +186,7 @@ def _structure(root: Element, block: Block) -> None:
 
 def input_dependencies(block: Block) -> list[list[int]]:
     """For each output the numbers of the inputs that it depends on directly (feedthrough)."""
-    rows = block.functions.outputs.jac_sparsity(0, 1).T
-    return [_column(rows, i) for i in range(rows.columns())]
+    return _union(_rows(branch.jac_sparsity(0, 1)) for branch in block.output_branches())
 
 
 def initial_dependencies(block: Block) -> list[list[int]]:
@@ -202,16 +202,27 @@ def initial_dependencies(block: Block) -> list[list[int]]:
         nodes = table.page(0, d)[:, 0]
         column = ca.vertcat(ca.sum1(f.stations(x, u, p, d)), nodes, nodes)
         lookup = ca.repmat(column, 1, table.station_count)
-    chain = ca.Function("chain", [p, u], [f.outputs(x, u, p, d, lookup)])
-    by_parameter = chain.jac_sparsity(0, 0).T
-    by_input = chain.jac_sparsity(0, 1).T
-    offset = len(block.parameters)
-    return [
-        _column(by_parameter, i) + [offset + j for j in _column(by_input, i)]
-        for i in range(by_parameter.columns())
+    chains = [
+        ca.Function("chain", [ca.vertcat(p, u)], [branch(x, u, p, d, lookup)])
+        for branch in block.output_branches()
     ]
+    rows = [_rows(chain.jac_sparsity(0, 0)) for chain in chains]
+    needs = _union(rows)
+    if block.switch:
+        switch = [parameter.name for parameter in block.parameters].index(block.switch)
+        for output, need in enumerate(needs):
+            if any(branch[output] != rows[0][output] for branch in rows):
+                needs[output] = sorted({*need, switch})
+    return needs
 
 
-def _column(sparsity: ca.Sparsity, column: int) -> list[int]:
-    start, stop = sparsity.colind()[column : column + 2]
-    return list(sparsity.row()[start:stop])
+def _rows(sparsity: ca.Sparsity) -> list[list[int]]:
+    """The columns with an entry, for each row."""
+    transposed = sparsity.T
+    ends = transposed.colind()
+    return [list(transposed.row()[a:b]) for a, b in pairwise(ends)]
+
+
+def _union(branches: Iterable[list[list[int]]]) -> list[list[int]]:
+    """Row by row, what any of the branches has."""
+    return [sorted(set().union(*rows)) for rows in zip(*branches, strict=True)]

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Any
+
 import casadi as ca
 
 from ..block import Block, Input, Output, Parameter, Signals
+from .creep import LAWS, Law
+from .loaded_contact import loaded_contact, static_contact
 
 SIDES = {"left": 1, "right": -1}
 """Sides of the wheelset, with the sign of their y."""
+
+CREEP_LAWS = ("linear", *LAWS)
+"""In the order of the enumeration, from 1."""
 
 LIFTED = 0.01
 """Part of the static wheel load below which a wheel counts as lifted in l_over_v."""
@@ -41,11 +49,19 @@ def _from_zero(name: str, unit: str, text: str, symbol: str) -> Parameter:
 
 
 class WheelRail(Block):
-    """One wheelset, linear creep law. Equation numbers: README.md of this folder."""
+    """One wheelset. Equation numbers: README.md of this folder."""
 
     name = "wheelrail"
-    description = "Wheelset on two rails: linear creep, gravity, flange contact"
+    description = "Wheelset on two rails: creep, gravity, flange contact"
     parameters = (
+        Parameter(
+            "creep_law",
+            "1",
+            "Law of the creep forces",
+            kind="enumeration",
+            choices=CREEP_LAWS,
+            default=1.0,
+        ),
         _positive("half_contact_spacing", "m", "Half distance of the contact points", "L_Y"),
         _positive("rolling_radius", "m", "Nominal rolling radius", "r_0"),
         Parameter("conicity", "1", "Wheel taper", symbol="alpha", minimum=0.0, tunable=True),
@@ -66,6 +82,37 @@ class WheelRail(Block):
         _from_zero("flange_stiffness", "N/m", "Lateral stiffness of a rail", "k_fl"),
         _from_zero("flange_damping", "s/m", "Damping over elastic force, per velocity", "lambda"),
         _positive("speed_floor", "m/s", "Smallest speed of the creepages", "V_min"),
+        _positive("shear_modulus", "Pa", "Shear modulus of wheel and rail", "G"),
+        Parameter(
+            "poisson_ratio",
+            "1",
+            "Poisson's ratio of wheel and rail",
+            symbol="nu",
+            minimum=0.0,
+            maximum=0.5,
+        ),
+        _positive("rail_transverse_radius", "m", "Radius of the rail's crown", "R_r"),
+        Parameter(
+            "wheel_transverse_curvature",
+            "1/m",
+            "Curvature of the wheel's tread across it; below zero where hollow",
+            symbol="kappa_w",
+        ),
+        _from_zero(
+            "creep_reduction", "1", "Factor on Kalker's creep coefficients (not polach)", "k"
+        ),
+        _from_zero("adhesion_reduction", "1", "Factor in the area of adhesion (polach)", "k_A"),
+        _from_zero("slip_reduction", "1", "Factor in the area of slip (polach)", "k_S"),
+        Parameter(
+            "friction_ratio",
+            "1",
+            "Friction coefficient at fast over slow slip (polach)",
+            symbol="A",
+            minimum=0.0,
+            maximum=1.0,
+            tunable=True,
+        ),
+        _from_zero("friction_decay", "s/m", "Decay of the friction with the slip (polach)", "B"),
     )
     inputs = (
         *(Input(name, unit, text) for name, (unit, text) in _MOTION.items()),
@@ -84,9 +131,45 @@ class WheelRail(Block):
         Output("y_rel", "m", "Wheelset relative to the mean of the two rails", nominal=1e-2),
     )
 
+    switch = "creep_law"
+
+    def derived(self, p: Signals) -> Signals:
+        return static_contact(p)
+
+    def output_branches(self) -> list[ca.Function]:
+        return [self._branch(name) for name in CREEP_LAWS]
+
+    def output_function(self) -> ca.Function:
+        """One branch for each creep law, so that a law costs nothing where it is not chosen."""
+        # Only derivatives by inputs are ever asked for: that keeps the derivative's code small.
+        only_inputs = {"is_diff_in": [False, True, False, False, False]}
+        linear, *others = (self._branch(name, only_inputs) for name in CREEP_LAWS)
+        chosen = ca.Function.conditional("by_law", others, linear)
+        x, u, p, d, lookup = linear.mx_in()
+        law = p[[parameter.name for parameter in self.parameters].index(self.switch)]
+        y = chosen(law - 2, x, u, p, d, lookup)  # any other number: the last, linear
+        return ca.Function("outputs", [x, u, p, d, lookup], [y])
+
+    def _branch(self, law: str, options: dict[str, Any] | None = None) -> ca.Function:
+        kind: Any = ca.MX if law == "fastsim" else ca.SX  # the grid stays a loop in C
+        x, lookup = kind(0, 1), kind(0, 0)
+        u, p = (kind.sym(n, len(v)) for n, v in (("u", self.inputs), ("p", self.parameters)))
+        d = kind.sym("d", len(self.derived_shapes()))
+        y = self._outputs(
+            LAWS.get(law),
+            _by_name((port.name for port in self.inputs), u),
+            _by_name((parameter.name for parameter in self.parameters), p),
+            _by_name(self.derived_shapes(), d),
+        )
+        outputs = ca.vertcat(*(y[port.name] for port in self.outputs))
+        return ca.Function(law, [x, u, p, d, lookup], [outputs], options or {})
+
     def output(
         self, x: Signals, u: Signals, p: Signals, d: Signals, lookup: ca.SX | None
     ) -> Signals:
+        return self._outputs(None, u, p, d)
+
+    def _outputs(self, law: Law | None, u: Signals, p: Signals, d: Signals) -> Signals:
         speed = ca.fmax(u["speed"], p["speed_floor"])
         half_spacing = p["half_contact_spacing"]
         y_rel = u["y"] - 0.5 * (u["rail_y_left"] + u["rail_y_right"])
@@ -102,8 +185,16 @@ class WheelRail(Block):
                 p["conicity"] * off_rail / p["rolling_radius"] + half_spacing * u["wz"] / speed
             )
             creep_y = u["vy"] / speed - u["yaw"]  # report (5-11), erratum 1
-            force_x = -p["longitudinal_creep_coefficient"] * creep_x
-            creep_force_y = -p["lateral_creep_coefficient"] * creep_y
+            if law:
+                spin = u["wz"] / speed - sign * p["conicity"] / p["rolling_radius"]
+                contact, grip = loaded_contact(
+                    (creep_x, creep_y, spin), speed, u[f"load_{side}"], p, d
+                )
+                force_x, creep_force_y, spin_moment = (grip * force for force in law(contact))
+                moment_z += spin_moment
+            else:
+                force_x = -p["longitudinal_creep_coefficient"] * creep_x
+                creep_force_y = -p["lateral_creep_coefficient"] * creep_y
             flange = self._flange(sign, off_rail, u, p)
             force_y += creep_force_y + flange
             moment_z -= sign * half_spacing * force_x
@@ -125,3 +216,7 @@ class WheelRail(Block):
         overlap = ca.fmax(sign * off_rail - p["flange_clearance"], 0)
         damped = ca.fmax(1 + p["flange_damping"] * sign * u["vy"], 0)
         return -sign * p["flange_stiffness"] * overlap * damped
+
+
+def _by_name(names: Iterable[str], vector: ca.SX) -> Signals:
+    return dict(zip(names, ca.vertsplit(vector), strict=True))

@@ -1,0 +1,42 @@
+"""Polach's fast estimation of creep forces, with falling friction, (14) to (17)."""
+
+from __future__ import annotations
+
+import math
+
+import casadi as ca
+
+from .contact import TINY, Contact
+
+
+def polach(contact: Contact) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Forces [N]; the method knows no moment about the normal.
+
+    Source: Polach, A fast wheel-rail forces calculation computer code, Vehicle System Dynamics
+    Supplement 33 (1999); reduction factors and falling friction: Polach, Wear 258 (2005).
+    """
+    c = contact
+    falling = (1 - c.friction_ratio) * ca.exp(-c.friction_decay * c.slip) + c.friction_ratio
+    limit = c.friction * falling * c.load
+    # The creepage of the leading edge counts where spin adds to it.
+    edge_y = ca.fmax(ca.fabs(c.creep_y), ca.fabs(c.creep_y + c.spin * c.a))
+    creep = ca.sqrt(c.creep_x**2 + edge_y**2 + TINY**2)
+    square = c.creep_x**2 + c.creep_y**2 + TINY**2
+    forces = (c.f11 * c.creep_x) ** 2 + c.f22**2 * (c.creep_y**2 + TINY**2)
+    gradient = math.pi / 4 * ca.sqrt(forces / square) * creep / limit
+    adhesion = c.adhesion_reduction * gradient
+    traction = 2 / math.pi * (adhesion / (1 + adhesion**2) + ca.atan(c.slip_reduction * gradient))
+    force = limit * traction / creep
+    spin_force = limit * _spin_traction(c, edge_y, limit) * c.a * c.spin / creep
+    return -force * c.creep_x, -force * c.creep_y - spin_force, 0 * force
+
+
+def _spin_traction(c: Contact, edge_y: ca.SX, limit: ca.SX) -> ca.SX:
+    """Lateral force by spin over the friction limit, for spin a/creep = 1, at least 0."""
+    shape = 1 + 6.3 * (1 - ca.exp(-c.a / c.b))
+    gradient = 8 / 3 * c.f23 / c.a * edge_y / (limit * shape)
+    square = gradient**2
+    delta = (square - 1) / (square + 1)
+    # 1 - delta^2 = (2 gradient/(1 + gradient^2))^2
+    slope = gradient * (delta**3 / 3 - delta**2 / 2 + 1 / 6)
+    return -9 / 16 * shape * (slope - (2 * gradient / (1 + square)) ** 3 / 3)
