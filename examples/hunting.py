@@ -1,6 +1,6 @@
 """A yawed truck on perfect track hunts: from 0.005 degree to a limit cycle, at 80 ft/s.
 
-    python examples/hunting.py [picture.png]
+python examples/hunting.py [picture.png]
 """
 
 from __future__ import annotations

@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import zipfile
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 from .errors import FmuError, choices
 from .units import BaseUnit, Definitions
+
+_INTERFACES = {
+    "co-simulation": "CoSimulation",
+    "model exchange": "ModelExchange",
+    "scheduled execution": "ScheduledExecution",
+}
 
 
 @dataclass(frozen=True)
@@ -84,68 +92,178 @@ class Description:
         return next((v for v in self.outputs if v.derivative_of == output), None)
 
 
+@dataclass(frozen=True)
+class Contents:
+    """An FMU file of any version of FMI: its members and its model description."""
+
+    path: Path
+    members: tuple[str, ...]
+    root: ElementTree.Element
+
+    @property
+    def version(self) -> str:
+        return self.root.get("fmiVersion", "")
+
+    @property
+    def interfaces(self) -> dict[str, Mapping[str, str]]:
+        """What each interface that the FMU offers says of itself, by the interface's name."""
+        if self.version.startswith("1."):  # which has the capabilities further down
+            implementation = self.root.find("Implementation")
+            if implementation is None:
+                return {"model exchange": self.root.attrib}
+            said = implementation.find(".//Capabilities")
+            return {"co-simulation": self.root.attrib | ({} if said is None else said.attrib)}
+        found = {name: self.root.find(tag) for name, tag in _INTERFACES.items()}
+        return {name: element.attrib for name, element in found.items() if element is not None}
+
+    @property
+    def platforms(self) -> list[str]:
+        """Folders with binaries, as FMI names platforms."""
+        inside = (name.split("/") for name in self.members if name.startswith("binaries/"))
+        return sorted({parts[1] for parts in inside if len(parts) > 2 and parts[2]})
+
+    def binary(self, identifier: str) -> str:
+        """Member with the shared library for this machine; empty if there is none."""
+        import fmpy
+
+        # On ARM the folder of FMI 2 means another processor where the tuple's folder is there, too.
+        folders = (fmpy.platform_tuple, fmpy.platform)
+        file = identifier + fmpy.sharedLibraryExtension
+        places = (f"binaries/{folder}/{file}" for folder in folders)
+        return next((place for place in places if place in self.members), "")
+
+    @cached_property
+    def model(self) -> Any:
+        """The model description as fmpy reads it; raises FmuError."""
+        from fmpy import read_model_description
+
+        if self.root.tag != "fmiModelDescription":
+            raise FmuError(
+                f"'{self.path}' has a wrong modelDescription.xml: it begins with "
+                f"'{self.root.tag}', not with 'fmiModelDescription'"
+            )
+        if self.version not in ("1.0", "2.0") and not self.version.startswith("3."):
+            raise FmuError(
+                f"'{self.path}' is an FMU of FMI {self.version or '?'}; FMI 1.0, 2.0 and 3.0 can "
+                "be read"
+            )
+        try:
+            return read_model_description(str(self.path), validate=False)
+        except Exception as error:  # fmpy raises plain exceptions
+            problem = _first_problem(self.path, error)
+            raise FmuError(f"'{self.path}' has a wrong modelDescription.xml: {problem}") from None
+
+
 def describe(path: Path) -> Description:
     """Read an FMU's description; raises FmuError if it cannot be co-simulated on this machine."""
     path = Path(path)
-    try:
-        stamp = path.stat()
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise FmuError(f"the FMU '{path}' cannot be read: {reason}") from None
+    stamp = _stat(path)
     return _describe(path.resolve(), stamp.st_mtime_ns, stamp.st_size)
 
 
-@lru_cache(maxsize=64)
-def _describe(path: Path, _modified: int, _size: int) -> Description:
-    from fmpy import read_model_description
-
-    if not path.is_file():
+def open_fmu(path: Path) -> Contents:
+    """Open an FMU of any version, for whatever machine; raises FmuError for what is no FMU."""
+    path = Path(path)
+    _stat(path)
+    if path.is_dir():
         raise FmuError(f"'{path}' is no FMU: it is a folder")
     if not zipfile.is_zipfile(path):
         raise FmuError(f"'{path}' is no FMU: it is not a zip archive")
     try:
         with zipfile.ZipFile(path) as archive:
-            names = archive.namelist()
-            if "modelDescription.xml" not in names:
+            members = tuple(archive.namelist())
+            if "modelDescription.xml" not in members:
                 raise FmuError(f"'{path}' is no FMU: it has no modelDescription.xml")
             root = ElementTree.fromstring(archive.read("modelDescription.xml"))
-    except (zipfile.BadZipFile, ElementTree.ParseError, OSError) as error:
+    except (zipfile.BadZipFile, zlib.error, OSError, ElementTree.ParseError, RuntimeError) as error:
         raise FmuError(
             f"'{path}' has a modelDescription.xml that cannot be read: {error}"
         ) from None
-    version = root.get("fmiVersion", "")
-    if not version.startswith("2."):
-        raise FmuError(f"'{path}' is an FMU of FMI {version or '?'}; only FMI 2.0 can be coupled")
-    if root.find("CoSimulation") is None:
-        raise FmuError(f"'{path}' offers model exchange only; an FMU for co-simulation is needed")
-    try:
-        read = read_model_description(str(path), validate=False)
-    except Exception as error:  # fmpy raises plain exceptions
-        raise FmuError(f"'{path}' has a wrong modelDescription.xml: {error}") from None
-    variables = _variables(read)
+    return Contents(path, members, root)
+
+
+def survey(contents: Contents) -> Description:
+    """Description of any FMU, also of one that cannot be coupled; raises FmuError if it is wrong.
+
+    It is that of co-simulation where the FMU offers more. `binary` is empty if this machine's is
+    missing.
+    """
+    interfaces = contents.interfaces
+    said = interfaces.get("co-simulation") or next(iter(interfaces.values()), {})
+    variables = _variables(contents)
+    identifier = said.get("modelIdentifier", "")
     return Description(
-        label=path.name,
+        label=contents.path.name,
         variables=variables,
-        interpolates_inputs=read.coSimulation.canInterpolateInputs,
-        gives_derivatives=read.coSimulation.providesDirectionalDerivative,
-        single_instance=read.coSimulation.canBeInstantiatedOnlyOncePerProcess,
-        tangents=_tangents(path, root, variables),
-        units=_units(read),
-        fmi_version=version,
-        guid=read.guid,
-        model_identifier=read.coSimulation.modelIdentifier,
-        binary=_binary(path, names, read.coSimulation.modelIdentifier),
-        sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
+        interpolates_inputs=_is_true(said, "canInterpolateInputs"),
+        gives_derivatives=_is_true(said, "providesDirectionalDerivative")
+        or _is_true(said, "providesDirectionalDerivatives"),  # as FMI 3 spells it
+        single_instance=_is_true(said, "canBeInstantiatedOnlyOncePerProcess"),
+        tangents=_tangents(contents.path, contents.root, variables),
+        units=_units(contents.model),
+        fmi_version=contents.version,
+        guid=contents.model.guid or "",
+        model_identifier=identifier,
+        binary=contents.binary(identifier),
+        sha256=hashlib.sha256(contents.path.read_bytes()).hexdigest(),
     )
 
 
-def _variables(read: Any) -> dict[str, Variable]:
+@lru_cache(maxsize=64)
+def _describe(path: Path, _modified: int, _size: int) -> Description:
+    import fmpy
+
+    contents = open_fmu(path)
+    if not contents.version.startswith("2."):
+        raise FmuError(
+            f"'{path}' is an FMU of FMI {contents.version or '?'}; only FMI 2.0 can be coupled"
+        )
+    if "co-simulation" not in contents.interfaces:
+        raise FmuError(f"'{path}' offers model exchange only; an FMU for co-simulation is needed")
+    description = survey(contents)
+    if not description.binary:
+        offered = ", ".join(contents.platforms)
+        raise FmuError(
+            f"'{path}' has no binary for this platform ({fmpy.platform}); "
+            + (f"it has: {offered}" if offered else "it has none at all")
+        )
+    return description
+
+
+def _stat(path: Path) -> os.stat_result:
+    try:
+        return path.stat()
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise FmuError(f"the FMU '{path}' cannot be read: {reason}") from None
+
+
+def _first_problem(path: Path, error: Exception) -> str:
+    """What the schema finds wrong, which says it better than the error that it led to."""
+    from fmpy import read_model_description
+
+    try:
+        read_model_description(str(path))
+    except Exception as found:
+        return str(next(iter(getattr(found, "problems", [])), error))
+    return str(error)
+
+
+def _is_true(attributes: Mapping[str, str], name: str) -> bool:
+    return attributes.get(name) in ("true", "1")
+
+
+def _variables(contents: Contents) -> dict[str, Variable]:
+    read = contents.model
     depends = {
         unknown.variable.name: None
         if unknown.dependencies is None
         else frozenset(v.name for v in unknown.dependencies)
         for unknown in read.outputs
     }
+    for element in contents.root.iterfind("ModelVariables/ScalarVariable[DirectDependency]"):
+        names = element.iterfind("DirectDependency/Name")  # as FMI 1 says it
+        depends[element.get("name", "")] = frozenset(name.text or "" for name in names)
     return {v.name: _variable(v, depends.get(v.name)) for v in read.modelVariables}
 
 
@@ -201,18 +319,3 @@ def _tangents(path: Path, root: Any, variables: Mapping[str, Variable]) -> tuple
                     f"{causality} of it; {choices(str(name), available)}"
                 )
     return tangents
-
-
-def _binary(path: Path, names: list[str], identifier: str) -> str:
-    import fmpy
-
-    file = identifier + fmpy.sharedLibraryExtension
-    # On ARM the folder of FMI 2 means another processor where the tuple's folder is there as well.
-    for folder in (fmpy.platform_tuple, fmpy.platform):
-        if f"binaries/{folder}/{file}" in names:
-            return f"binaries/{folder}/{file}"
-    offered = sorted({n.split("/")[1] for n in names if n.startswith("binaries/") and n[9:]})
-    raise FmuError(
-        f"'{path}' has no binary for this platform ({fmpy.platform}); "
-        + (f"it has: {', '.join(offered)}" if offered else "it has none at all")
-    )

@@ -12,6 +12,7 @@ from .hopper import BLOCK_OF, required_ports
 
 if TYPE_CHECKING:
     from orchestrator import System
+    from orchestrator.system import Value
 
 COORDINATE = "initial."
 
@@ -19,8 +20,8 @@ COORDINATE = "initial."
 def swapped(system: System, instance: str, path: Path) -> tuple[System, list[str]]:
     """The car with another FMU as `instance`, and the parameters of the car that it lacks.
 
-    Those that it has keep the car's values. Raises HopperError when ports are missing, and
-    orchestrator.FmuError for a file that cannot be coupled.
+    Those that it has keep the car's values, converted where it has them in other units. Raises
+    HopperError when ports are missing, and orchestrator.FmuError for a file that cannot be coupled.
     """
     from orchestrator import describe
 
@@ -31,10 +32,15 @@ def swapped(system: System, instance: str, path: Path) -> tuple[System, list[str
             f"'{path}' cannot stand in for {instance}: it lacks the ports {', '.join(missing)}; "
             f"give an FMU with all ports of the block '{BLOCK_OF[instance]}'"
         )
+    replaced = describe(_fmu(system, instance)).variables
     swap = system.with_fmu(instance, path)
     component = swap.components[instance]
     lacking = [name for name in component.parameters if name not in description.variables]
-    kept = {n: v for n, v in component.parameters.items() if n not in lacking}
+    kept = {
+        name: _with_unit(value, replaced[name].unit)
+        for name, value in component.parameters.items()
+        if name not in lacking
+    }
     components = {**swap.components, instance: replace(component, parameters=kept)}
     return replace(swap, components=components), lacking
 
@@ -75,6 +81,12 @@ def assigned(system: System, instance: str, name: str, value: str) -> System:
             f'write it in {unit} or a unit that measures the same, as in "{value} {unit}"'
         )
     return system.with_value(f"{instance}.{name}", value)
+
+
+def _with_unit(value: Value, unit: str | None) -> Value:
+    """The number as a quantity, so that it means the same in whatever unit it is read."""
+    plain = isinstance(value, float) and unit not in (None, "", "1")
+    return f"{value!r} {unit}" if plain else value
 
 
 def _fmu(system: System, instance: str) -> Path:

@@ -12,25 +12,13 @@ from typing import TYPE_CHECKING
 import click
 
 from .errors import TracktrainError
+from .failures import Stopped, clear_errors
+from .fmu_command import fmu
 from .hopper import BLOCK_OF, CARS, TRACKS
 from .options import Assignment, Name, Quantity
 
 if TYPE_CHECKING:
     from orchestrator import Run
-
-PACKAGES = ("tracktrain", "orchestrator", "fmus")
-
-
-class BadInput(click.ClickException):
-    """What was asked for cannot be run."""
-
-    exit_code = 2
-
-
-class Stopped(click.ClickException):
-    """A run, or the program, stopped early."""
-
-    exit_code = 1
 
 
 class Tracktrain(click.Group):
@@ -54,7 +42,25 @@ def main() -> None:
     """A freight car on irregular track, as coupled FMUs."""
 
 
-@main.command(epilog="\b\nExample:\n  tracktrain build --out my-fmus")
+main.add_command(fmu)
+
+
+@main.command(
+    epilog="""\b
+Examples:
+  tracktrain build --out my-fmus
+  tracktrain build --target all
+  tracktrain build --target host --target windows-x86_64"""
+)
+@click.option(
+    "--target",
+    "targets",
+    multiple=True,
+    default=("host",),
+    metavar="TARGET",
+    help="Platform whose binaries the FMUs hold: host, all, linux-x86_64, linux-aarch64, "
+    "windows-x86_64, macos-x86_64 or macos-arm64. Repeatable.  [default: host]",
+)
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
@@ -63,12 +69,18 @@ def main() -> None:
     metavar="DIR",
     help="Folder to write to.",
 )
-def build(out: Path) -> None:
-    """Write carbody.fmu, truck.fmu, wheelrail.fmu and track.fmu for this machine."""
-    with _clear_errors():
+def build(targets: tuple[str, ...], out: Path) -> None:
+    """Write carbody.fmu, truck.fmu, wheelrail.fmu and track.fmu.
+
+    The first build for Windows compiles the C runtime too, which takes about a minute.
+    """
+    with clear_errors():
+        from fmus import BLOCKS
         from fmus.export import build as build_fmus
 
-        for path in build_fmus(_writable(out)).values():
+        folder = _writable(out)
+        for name in BLOCKS:
+            path = build_fmus(folder, [name], targets)[name]
             click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
 
 
@@ -77,7 +89,7 @@ def build(out: Path) -> None:
 Examples:
   tracktrain run
   tracktrain run --car empty --speed "100 ft/s" --track fra4 --seed 7
-  tracktrain run --track perfect --initial truck_front.yaw="0.005 deg" --duration 30s
+  tracktrain run --track perfect --initial truck_front.yaw="0.005 deg" --speed "80 ft/s"
   tracktrain run --set wheelset_11.conicity=0.1 --set track.report_rms="0.05 in"
   tracktrain run --swap truck_rear=my_truck.fmu --out results/my-truck"""
 )
@@ -182,7 +194,7 @@ def run(
 
     Without options: the loaded car at 60 ft/s over 8 s of the 1980 report's track.
     """
-    with _clear_errors():
+    with clear_errors():
         if step > duration:
             raise TracktrainError(
                 f"a step of {step:g} s is longer than the run of {duration:g} s; "
@@ -283,23 +295,3 @@ def _writable(folder: Path) -> Path:
         raise TracktrainError(
             f"'{folder}' cannot be written to ({reason}); name another folder with --out"
         ) from None
-
-
-@contextmanager
-def _clear_errors() -> Iterator[None]:
-    """Turn every error into one message without a traceback."""
-    try:
-        yield
-    except (click.ClickException, click.Abort, click.exceptions.Exit):
-        raise
-    except MemoryError:
-        raise Stopped(
-            "the results do not fit into memory; give a shorter --duration or a longer --step"
-        ) from None
-    except OSError as error:
-        raise Stopped(str(error)) from None
-    except Exception as error:
-        if type(error).__module__.partition(".")[0] in PACKAGES:
-            raise BadInput(str(error)) from None
-        fault = f"{type(error).__name__}: {error}"
-        raise Stopped(f"{fault} (this is a fault of tracktrain, please report it)") from error

@@ -7,13 +7,14 @@ import os
 import tempfile
 import zipfile
 from collections.abc import Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from .. import BLOCKS
 from ..block import Block
 from ..parameters import DEFAULT_SET, parameter_set
 from . import code
-from .compiler import FLAGS, Target, compile_library, host_target
+from .compiler import FLAGS, Target, compile_library, targets
 from .description import model_description
 from .documentation import documentation
 
@@ -22,18 +23,21 @@ NO_GUID = "{00000000-0000-0000-0000-000000000000}"
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
-def build(out: Path, names: Iterable[str] | None = None) -> dict[str, Path]:
-    """Write NAME.fmu for each block into the folder, for this machine; returns their paths.
+def build(
+    out: Path, names: Iterable[str] | None = None, platforms: Iterable[str] = ("host",)
+) -> dict[str, Path]:
+    """Write NAME.fmu for each block into the folder and return their paths.
 
+    Each holds the binaries of all the platforms: names of compiler.TARGETS, `host` or `all`.
     Raises CompileError, or OSError for a folder that cannot be written.
     """
+    chosen = targets(platforms)
     out.mkdir(parents=True, exist_ok=True)
-    return {name: build_block(BLOCKS[name](), out) for name in names or BLOCKS}
+    return {name: build_block(BLOCKS[name](), out, chosen) for name in names or BLOCKS}
 
 
-def build_block(block: Block, out: Path, target: Target | None = None) -> Path:
+def build_block(block: Block, out: Path, platforms: Iterable[Target] | None = None) -> Path:
     """Write one block's FMU into the folder and return its path."""
-    target = target or host_target()
     parameters = parameter_set(DEFAULT_SET)
     start = parameters.values(block)
     guid = _guid(block, start)
@@ -45,8 +49,7 @@ def build_block(block: Block, out: Path, target: Target | None = None) -> Path:
     sources = code.sources(block, start, guid)
     for name, text in sources.items():
         files[f"sources/{name}"] = text.encode()
-    library = f"{block.name}{target.suffix}"
-    files[f"binaries/{target.folder}/{library}"] = _compiled(sources, library, target)
+    files |= _binaries(block.name, sources, platforms or targets(["host"]))
     path = out / f"{block.name}.fmu"
     _write_archive(path, files)
     return path
@@ -62,14 +65,25 @@ def _guid(block: Block, start: Mapping[str, float]) -> str:
     return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
 
 
-def _compiled(sources: Mapping[str, str], library: str, target: Target) -> bytes:
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
+def _binaries(
+    name: str, sources: Mapping[str, str], platforms: Iterable[Target]
+) -> dict[str, bytes]:
+    """The block's library of each platform by its place in the archive."""
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
         for file, text in sources.items():
             (folder / file).write_text(text)
-        out = folder / library
-        compile_library(sorted(folder.glob("*.c")), out, target)
-        return out.read_bytes()
+        units = sorted(folder.glob("*.c"))
+
+        def compiled(target: Target) -> tuple[str, bytes]:
+            place = f"binaries/{target.folder}/{name}{target.suffix}"
+            library = folder / place
+            library.parent.mkdir(parents=True)
+            compile_library(units, library, target)
+            return place, library.read_bytes()
+
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            return dict(pool.map(compiled, platforms))
 
 
 def _licence() -> str:

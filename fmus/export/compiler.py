@@ -23,19 +23,25 @@ class CompileError(FmusError):
 
 @dataclass(frozen=True)
 class Target:
-    """A platform: its folder in an FMI 2.0 archive, library suffix and zig's name for it."""
+    """A platform: its name, folder in an FMI 2.0 archive, library suffix and zig's name for it."""
 
+    name: str
     folder: str
     suffix: str
     zig: str
 
 
+# FMI 2.0.4 calls the x86-64 ones linux64, win64 and darwin64, and takes the names of all others
+# from FMI 3.0. The versions are the oldest glibc and macOS that the libraries run with.
 TARGETS = {
-    ("linux", "x86_64"): Target("linux64", ".so", "x86_64-linux-gnu.2.17"),
-    ("linux", "aarch64"): Target("aarch64-linux", ".so", "aarch64-linux-gnu.2.17"),
-    ("win32", "x86_64"): Target("win64", ".dll", "x86_64-windows-gnu"),
-    ("darwin", "x86_64"): Target("darwin64", ".dylib", "x86_64-macos"),
-    ("darwin", "aarch64"): Target("aarch64-darwin", ".dylib", "aarch64-macos"),
+    target.name: target
+    for target in (
+        Target("linux-x86_64", "linux64", ".so", "x86_64-linux-gnu.2.17"),
+        Target("linux-aarch64", "aarch64-linux", ".so", "aarch64-linux-gnu.2.17"),
+        Target("windows-x86_64", "win64", ".dll", "x86_64-windows-gnu"),
+        Target("macos-x86_64", "darwin64", ".dylib", "x86_64-macos.11.0"),
+        Target("macos-arm64", "aarch64-darwin", ".dylib", "aarch64-macos.11.0"),
+    )
 }
 
 # The same rounding on every platform: no fused multiply-add. zig traps on undefined
@@ -45,49 +51,84 @@ FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibili
 
 def host_target() -> Target:
     """The target of this machine; raises CompileError on a platform that is not supported."""
-    machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(
-        platform.machine().lower(), platform.machine().lower()
-    )
-    try:
-        return TARGETS[sys.platform, machine]
-    except KeyError:
-        known = ", ".join(f"{system} {machine}" for system, machine in TARGETS)
+    system, machine = sys.platform, platform.machine().lower()
+    name = {
+        ("linux", "x86_64"): "linux-x86_64",
+        ("linux", "aarch64"): "linux-aarch64",
+        ("win32", "amd64"): "windows-x86_64",
+        ("darwin", "x86_64"): "macos-x86_64",
+        ("darwin", "arm64"): "macos-arm64",
+    }.get((system, machine))
+    if name is None:
         raise CompileError(
-            f"no FMU can be built for {sys.platform} {machine}; supported are: {known}"
-        ) from None
+            f"no FMU can be built for {system} {machine}; supported are: {', '.join(TARGETS)}"
+        )
+    return TARGETS[name]
+
+
+def targets(names: Iterable[str]) -> tuple[Target, ...]:
+    """The targets of these names, each once; `host` is this machine, `all` are all.
+
+    Raises CompileError for a name that is not known.
+    """
+    chosen: dict[str, Target] = {}
+    for name in names:
+        if name == "all":
+            chosen.update(TARGETS)
+        elif name == "host":
+            chosen.setdefault(host_target().name, host_target())
+        elif name in TARGETS:
+            chosen[name] = TARGETS[name]
+        else:
+            raise CompileError(
+                f"there is no target '{name}'; choose from host, all, {', '.join(TARGETS)}"
+            )
+    return tuple(chosen.values())
 
 
 def compiler_command(target: Target) -> list[str]:
     """Command line of the compiler: zig from its Python package, else the host's cc."""
     if importlib.util.find_spec("ziglang"):
         return [sys.executable, "-m", "ziglang", "cc", "-target", target.zig, "-s"]
+    install = "install the Python package ziglang (`python -m pip install ziglang`)"
+    if target != host_target():
+        raise CompileError(
+            f"no compiler for {target.name}: a C compiler called cc is used for this machine "
+            f"({host_target().name}) only; {install}"
+        )
     cc = shutil.which("cc")
-    if cc and target == host_target():
-        return [cc, "-s"]
-    raise CompileError(
-        f"no compiler for {target.folder}: install the Python package ziglang "
-        "(`python -m pip install ziglang`), or a C compiler called cc"
-    )
+    if cc is None:
+        raise CompileError(f"no compiler for {target.name}: {install}, or a C compiler called cc")
+    return [cc, "-s"]
 
 
 def compile_library(
     sources: Iterable[Path], library: Path, target: Target, flags: Iterable[str] = FLAGS
 ) -> None:
     """Compile the C files into one shared library; raises CompileError."""
-    names = [path.name for path in sources]
-    folder = next(iter(sources)).parent
-    command = [*compiler_command(target), *flags, *names, "-o", str(library.resolve())]
-    if target.suffix != ".dll":
-        command.append("-lm")
+    paths = list(sources)
+    command = [*compiler_command(target), *flags, *(path.name for path in paths)]
+    command += ["-o", str(library.resolve()), *_link_flags(library, target)]
     cache = platformdirs.user_cache_path("tracktrain") / "zig"
     environment = {"ZIG_GLOBAL_CACHE_DIR": str(cache), "ZIG_LOCAL_CACHE_DIR": str(cache)}
     done = subprocess.run(
         command,
-        cwd=folder,
+        cwd=paths[0].parent,
         env={**environment, **os.environ},
         capture_output=True,
         text=True,
         check=False,
     )
     if done.returncode != 0:
-        raise CompileError(f"{' '.join(command)} failed:\n{done.stderr.strip()}")
+        raise CompileError(
+            f"compiling for {target.name} failed: {' '.join(command)}\n{done.stderr.strip()}"
+        )
+
+
+def _link_flags(library: Path, target: Target) -> list[str]:
+    if target.suffix == ".dll":
+        return []
+    if target.suffix == ".dylib":
+        # Else the library would be named after the folder that it was linked in.
+        return ["-lm", f"-Wl,-install_name,@rpath/{library.name}"]
+    return ["-lm"]

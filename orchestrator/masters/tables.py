@@ -7,6 +7,7 @@ one call takes: the inputs of a slave, or those that one batch of a refresh sets
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -50,7 +51,12 @@ def macro_loop(function: Callable[..., None]) -> Any:
     folder = (
         user_cache_path("tracktrain") / "macro_loops" / hashlib.sha256(sources).hexdigest()[:12]
     )
-    options: dict[str, Any] = {"cache": True, "nogil": True, "_nrt": False}
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        keep = os.access(folder, os.W_OK)
+    except OSError:  # without a place of its own each process compiles anew
+        keep = False
+    options: dict[str, Any] = {"cache": keep, "nogil": True, "_nrt": False}
     config: Any = numba_config
     previous = config.CACHE_DIR
     config.CACHE_DIR = previous or str(folder)

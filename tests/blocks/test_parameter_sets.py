@@ -207,7 +207,8 @@ def test_a_name_that_the_block_does_not_know_is_refused(tmp_path):
     car = load(written(tmp_path, text))
     refused(
         lambda: car.values(WheelRail()),
-        "[wheelrail] gives 'stickiness', which is no parameter of this block; it has adhesion_reduction",
+        "[wheelrail] gives 'stickiness', which is no parameter of this block; it has "
+        "adhesion_reduction",
     )
 
 

@@ -178,9 +178,10 @@ Status core_finish_initialization(Instance *instance) {
     return OK;
 }
 
+static const char *const KIND_NAME[] = {"real", "integer", "boolean", "enumeration"};
+
 static Status check_settable(Instance *instance, uint32_t reference, Kind kind, double value) {
     const State *s = &instance->state;
-    static const char *const KIND[] = {"real", "integer", "boolean", "enumeration"};
     if (reference == 0 || reference >= N_VALUES)
         return core_fail(instance, "value reference %u cannot be set: parameters and inputs are %d to %d",
                          (unsigned)reference, FIRST_PARAMETER, FIRST_OUTPUT - 1);
@@ -191,7 +192,7 @@ static Status check_settable(Instance *instance, uint32_t reference, Kind kind, 
     int same = info->kind == kind || (info->kind == ENUMERATION && kind == INTEGER);
     if (!same)
         return core_fail(instance, "%s is of type %s and cannot be set as %s", info->name,
-                         KIND[info->kind], KIND[kind]);
+                         KIND_NAME[info->kind], KIND_NAME[kind]);
     if (!finite_number(value))
         return core_fail(instance, "%s cannot be %g: a finite number is needed", info->name, value);
     if (value < info->minimum || value > info->maximum)
@@ -237,24 +238,37 @@ Status core_set_rate(Instance *instance, uint32_t reference, double rate) {
     return OK;
 }
 
+static Status check_readable(Instance *instance, uint32_t reference) {
+    if (reference >= N_VALUES)
+        return core_fail(instance, "there is no value reference %u: the highest is %d",
+                         (unsigned)reference, N_VALUES - 1);
+    Kind own = reference < FIRST_PARAMETER ? REAL : VARIABLE_INFO[reference - 1].kind;
+    if (own != REAL)
+        return core_fail(instance, "%s is of type %s and cannot be read as real",
+                         VARIABLE_INFO[reference - 1].name, KIND_NAME[own]);
+    return OK;
+}
+
 Status core_get(Instance *instance, const uint32_t *reference, size_t count, double *value) {
     State *s = &instance->state;
-    if (refresh_outputs(instance) != OK) return ERROR;
     for (size_t i = 0; i < count; i++) {
-        if (reference[i] >= N_VALUES)
-            return core_fail(instance, "there is no value reference %u: the highest is %d",
-                             (unsigned)reference[i], N_VALUES - 1);
-        value[i] = s->value[reference[i]];
+        uint32_t r = reference[i];
+        int output = r - FIRST_OUTPUT < N_OUTPUTS;
+        if (output && s->outputs_stale && refresh_outputs(instance) != OK) return ERROR;
+        if (!output && check_readable(instance, r) != OK) return ERROR;
+        value[i] = s->value[r];
     }
     return OK;
 }
 
 Status core_get_kind(Instance *instance, uint32_t reference, Kind kind, double *value) {
     if (reference == 0 || reference >= FIRST_OUTPUT)
-        return core_fail(instance, "value reference %u is not of that type", (unsigned)reference);
+        return core_fail(instance, "value reference %u cannot be read as %s: parameters are %d to %d",
+                         (unsigned)reference, KIND_NAME[kind], FIRST_PARAMETER, FIRST_INPUT - 1);
     Kind own = VARIABLE_INFO[reference - 1].kind;
     if (own != kind && !(own == ENUMERATION && kind == INTEGER))
-        return core_fail(instance, "%s is not of that type", VARIABLE_INFO[reference - 1].name);
+        return core_fail(instance, "%s is of type %s and cannot be read as %s",
+                         VARIABLE_INFO[reference - 1].name, KIND_NAME[own], KIND_NAME[kind]);
     *value = instance->state.value[reference];
     return OK;
 }
@@ -266,7 +280,7 @@ Status core_step(Instance *instance, double time, double size) {
     State *s = &instance->state;
     if (s->phase != RUNNING)
         return core_fail(instance, "doStep needs a finished initialization and no termination");
-    if (!finite_number(time) || !(size >= 0.0 && size <= DBL_MAX))
+    if (!(size >= 0.0) || !finite_number(time + size))
         return core_fail(instance, "doStep from t = %g s by %g s: the step must be finite and not negative",
                          time, size);
     if (refresh_states(instance) != OK) return ERROR;
@@ -336,4 +350,5 @@ void core_restore(Instance *instance, const State *state) {
     if (memcmp(instance->state.d, state->d, sizeof state->d) != 0)
         memset(instance->page_filled, 0, sizeof instance->page_filled);
     memcpy(&instance->state, state, sizeof *state);
+    instance->state.outputs_stale = 1; /* the lookup behind them is the instance's, not the state's */
 }

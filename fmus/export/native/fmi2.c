@@ -2,7 +2,8 @@
  * that are needed are declared here, so that the sources stand alone. */
 #include "core.h"
 
-#include <stdio.h>
+#include <float.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -40,8 +41,7 @@ typedef struct {
     Instance *core;
     char *name;
     fmi2CallbackFunctions callbacks;
-    fmi2Real start;
-    int experiment_set, initialized;
+    fmi2Real start, stop;
 } Slave;
 
 static void report(void *environment, Status status, const char *message) {
@@ -54,10 +54,20 @@ static void report(void *environment, Status status, const char *message) {
 
 #define CORE (((Slave *)c)->core)
 #define NEEDS_INSTANCE if (!c) return FMI2_ERROR
+#define NEEDS_LISTS(count, one, other) \
+    if ((count) != 0 && (!(one) || !(other))) return refuse(c, "a list of the call is missing: it is NULL")
+#define NEEDS_SETTABLE                   \
+    if (CORE->state.phase == TERMINATED) \
+    return refuse(c, "the run has ended: fmi2Reset or fmi2SetFMUstate comes before new values")
 
 static fmi2Status refuse(fmi2Component c, const char *what) {
     if (c) core_fail(CORE, "%s", what);
     return FMI2_ERROR;
+}
+
+static void forget_experiment(Slave *slave) {
+    slave->start = 0.0;
+    slave->stop = DBL_MAX;
 }
 
 EXPORT const char *fmi2GetTypesPlatform(void) { return "default"; }
@@ -76,6 +86,7 @@ EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String 
     Slave *slave = calloc(1, sizeof *slave);
     if (!slave) return NULL;
     if (callbacks) slave->callbacks = *callbacks;
+    forget_experiment(slave);
     slave->name = calloc(1, (name ? strlen(name) : 0) + 1);
     if (slave->name && name) memcpy(slave->name, name, strlen(name));
     const char *problem = NULL;
@@ -105,7 +116,7 @@ EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerance_def
     if (CORE->state.phase != INSTANTIATED) return refuse(c, "fmi2SetupExperiment comes before initialization");
     if (stop_defined && !(stop >= start)) return refuse(c, "the stop time lies before the start time");
     ((Slave *)c)->start = start;
-    ((Slave *)c)->experiment_set = 1;
+    ((Slave *)c)->stop = stop_defined ? stop : DBL_MAX;
     return FMI2_OK;
 }
 
@@ -133,18 +144,21 @@ EXPORT fmi2Status fmi2Terminate(fmi2Component c) {
 EXPORT fmi2Status fmi2Reset(fmi2Component c) {
     NEEDS_INSTANCE;
     core_reset(CORE);
-    ((Slave *)c)->start = 0.0;
+    forget_experiment(c);
     return FMI2_OK;
 }
 
 EXPORT fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count, fmi2Real value[]) {
     NEEDS_INSTANCE;
+    NEEDS_LISTS(count, vr, value);
     return (fmi2Status)core_get(CORE, vr, count, value);
 }
 
 EXPORT fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                               const fmi2Real value[]) {
     NEEDS_INSTANCE;
+    NEEDS_LISTS(count, vr, value);
+    NEEDS_SETTABLE;
     return (fmi2Status)core_set(CORE, vr, count, value);
 }
 
@@ -152,6 +166,7 @@ EXPORT fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], si
     EXPORT fmi2Status fmi2Get##name(fmi2Component c, const fmi2ValueReference vr[], size_t count,          \
                                     fmi2Integer value[]) {                                                 \
         NEEDS_INSTANCE;                                                                                    \
+        NEEDS_LISTS(count, vr, value);                                                                     \
         for (size_t i = 0; i < count; i++) {                                                               \
             double number;                                                                                 \
             if (core_get_kind(CORE, vr[i], kind, &number) != OK) return FMI2_ERROR;                        \
@@ -162,6 +177,8 @@ EXPORT fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], si
     EXPORT fmi2Status fmi2Set##name(fmi2Component c, const fmi2ValueReference vr[], size_t count,          \
                                     const fmi2Integer value[]) {                                           \
         NEEDS_INSTANCE;                                                                                    \
+        NEEDS_LISTS(count, vr, value);                                                                     \
+        NEEDS_SETTABLE;                                                                                    \
         for (size_t i = 0; i < count; i++)                                                                 \
             if (core_set_kind(CORE, vr[i], kind, (double)value[i]) != OK) return FMI2_ERROR;               \
         return FMI2_OK;                                                                                    \
@@ -238,12 +255,16 @@ EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueR
                                                size_t known_count, const fmi2Real seed[],
                                                fmi2Real sensitivity[]) {
     NEEDS_INSTANCE;
+    NEEDS_LISTS(unknown_count, unknown, sensitivity);
+    NEEDS_LISTS(known_count, known, seed);
     return (fmi2Status)core_directional(CORE, unknown, unknown_count, known, known_count, seed, sensitivity);
 }
 
 EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                                               const fmi2Integer order[], const fmi2Real value[]) {
     NEEDS_INSTANCE;
+    NEEDS_LISTS(count, vr, order && value);
+    NEEDS_SETTABLE;
     for (size_t i = 0; i < count; i++) {
         if (order[i] != 1) return refuse(c, "inputs vary linearly over a step: only derivatives of order 1 are taken");
         if (core_set_rate(CORE, vr[i], value[i]) != OK) return FMI2_ERROR;
@@ -261,6 +282,10 @@ EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueR
 EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real size, fmi2Boolean no_return) {
     (void)no_return;
     NEEDS_INSTANCE;
+    fmi2Real stop = ((Slave *)c)->stop;
+    if (time + size > stop + 1e-9 * fabs(stop) + 1e-6 * size) /* what masters lose by rounding */
+        return core_fail(CORE, "doStep from t = %.17g s by %g s goes past the stop time of %g s", time,
+                         size, stop);
     return (fmi2Status)core_step(CORE, time, size);
 }
 

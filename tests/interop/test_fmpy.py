@@ -1,0 +1,96 @@
+"""Each FMU alone in FMPy's own simulation, next to our orchestrator and the Python twin."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import tolerances
+from fmpy import read_model_description, simulate_fmu
+
+from fmus import BLOCKS
+from fmus.catalogue import NAMES, fmu_path
+from fmus.parameters import DEFAULT_SET, parameter_set
+from fmus.twin import Twin
+from orchestrator import Component, System, simulate
+
+STEP = 2.0**-10
+"""Sums and differences of such times are exact, so that all masters step by the same size."""
+
+STEPS = 200
+LEVEL = {"m": 2e-3, "rad": 1e-3, "m/s": 0.05, "rad/s": 0.02, "N": 1e4, "N.m": 5e3}
+
+
+class Ramps:
+    """Inputs that grow linearly from plausible levels, each at its own rate."""
+
+    def __init__(self, block: str) -> None:
+        description = read_model_description(str(fmu_path(block)))
+        inputs = [v for v in description.modelVariables if v.causality == "input"]
+        self.names = [v.name for v in inputs]
+        self.outputs = [v.name for v in description.modelVariables if v.causality == "output"]
+        start = np.array([float(v.start or 0.0) for v in inputs])
+        level = np.array([LEVEL.get(v.unit, 0.0) for v in inputs])
+        self.level = start + level * np.cos(np.arange(len(inputs)))
+        self.rate = level * np.sin(np.arange(len(inputs)))
+
+    def at(self, time: float) -> np.ndarray:
+        return self.level + self.rate * time
+
+    def table(self) -> np.ndarray:
+        """FMPy's structured array; its rates begin at the second row, so the first is early."""
+        times = np.arange(-1, STEPS + 1) * STEP
+        columns = [("time", float), *((name, float) for name in self.names)]
+        return np.array([(t, *self.at(t)) for t in times], dtype=columns)
+
+
+def fmpy_run(block: str, outputs: list[str], **settings: object) -> np.ndarray:
+    """Outputs [step, output] by FMPy, from the start on."""
+    result = simulate_fmu(
+        str(fmu_path(block)),
+        stop_time=STEPS * STEP,
+        output_interval=STEP,
+        output=outputs,
+        fmi_type="CoSimulation",
+        **settings,
+    )
+    assert len(result) == STEPS + 1
+    return np.array([result[name] for name in outputs]).T
+
+
+def test_constant_inputs_give_what_our_orchestrator_gives_to_the_last_bit(block_name):
+    ramps = Ramps(block_name)
+    held = dict(zip(ramps.names, ramps.level, strict=True))
+    theirs = fmpy_run(block_name, ramps.outputs, start_values=held)
+    alone = System({"alone": Component(fmu_path(block_name), held)}, ())
+    ours = simulate(alone, duration=STEPS * STEP, step=STEP, master="jacobi")
+    assert ours.completed, ours.message
+    for name, values in zip(ramps.outputs, theirs.T, strict=True):
+        assert np.array_equal(ours.dataset[f"alone.{name}"], values), name
+
+
+@pytest.mark.parametrize(
+    ("block_name", "with_rates"),
+    [*((name, False) for name in NAMES), ("wheelrail", True)],
+    # FMPy hands on the rates of nine inputs, no more and no fewer: only the wheelset has nine.
+)
+def test_inputs_that_vary_give_what_the_python_twin_gives(block_name, with_rates):
+    ramps = Ramps(block_name)
+    table = ramps.table()
+    theirs = fmpy_run(block_name, ramps.outputs, input=table, set_input_derivatives=with_rates)
+    block = BLOCKS[block_name]()
+    twin = Twin(block, parameter_set(DEFAULT_SET).values(block))
+
+    def give(time: float) -> None:
+        for name, value, rate in zip(ramps.names, ramps.at(time), ramps.rate, strict=True):
+            twin.set(name, value)
+            twin.set_rate(name, rate if with_rates else 0.0)
+
+    give(0.0)
+    twin.initialize()
+    ours = [twin.outputs()]
+    for k in range(STEPS):
+        give(k * STEP)
+        twin.step(STEP)
+        ours.append(twin.outputs())
+    scale = np.maximum(np.abs(theirs), 1e-9 * np.abs(theirs).max())
+    assert (np.abs(np.array(ours) - theirs) <= tolerances.PARITY * scale).all()
