@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from math import pi, sqrt
 
 import numpy as np
@@ -28,8 +29,12 @@ def tangent(values: Values, speed: float) -> tuple[np.ndarray, np.ndarray]:
     return np.array(columns[:2]).T, np.array(columns[2:]).T
 
 
+_block = cache(WheelRail)
+"""One block for all stands: building its functions takes far longer than a run."""
+
+
 def _twin(values: Values, inputs: Mapping[str, float]) -> Twin:
-    twin = Twin(WheelRail(), values)
+    twin = Twin(_block(), values)
     for name, value in inputs.items():
         twin.set(name, value)
     twin.initialize()
