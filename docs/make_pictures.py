@@ -39,7 +39,7 @@ def coupling() -> Figure:
         axes.plot(run.dataset.time, 1e3 * y, color=colour, lw=width, alpha=alpha, label=label)
     axes.set(xlabel="time [s]", ylabel="leading axle, lateral [mm]", xlim=(0.0, 4.0))
     axes.set_title("Loaded hopper car at 100 ft/s (68 mph), irregular track, macro step 1 ms")
-    axes.legend(frameon=False, loc="upper left")
+    axes.legend(frameon=False, loc="lower left")
     return figure
 
 
