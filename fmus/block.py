@@ -6,7 +6,6 @@ Python twin, the exact directional derivatives and the declared dependencies.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -103,7 +102,7 @@ class Table:
         return 1 + 2 * self.values
 
 
-class Block(ABC):
+class Block:
     """A building block. Subclasses state ports, parameters, and equations as expressions."""
 
     name: str
@@ -152,11 +151,14 @@ class Block(ABC):
         """
         return {}, {}
 
-    @abstractmethod
     def output(
         self, x: Signals, u: Signals, p: Signals, d: Signals, lookup: ca.SX | None
     ) -> Signals:
-        """Outputs at a communication point. lookup: (rows, stations) of the table, if any."""
+        """Outputs at a communication point. lookup: (rows, stations) of the table, if any.
+
+        Every block states this, or overrides `output_function`.
+        """
+        raise NotImplementedError
 
     def output_function(self) -> ca.Function | None:
         """CasADi function (x, u, p, d, lookup) -> y of vectors, for outputs with branches (MX).

@@ -14,6 +14,7 @@ import pint
 
 from .block import Block, Parameter
 from .errors import ParameterError
+from .units import REGISTRY, parse
 
 FOLDER = Path(__file__).with_suffix("")
 DEFAULT_SET = "loaded"
@@ -23,8 +24,6 @@ TABLES = (SHARED, "carbody", "truck", "wheelrail", "track")
 BASES = ("published", "measured", "derived", "common practice", "assumed", "estimate")
 NO_STOP = 1e3
 """Free play [m or rad] that `inf` in a file becomes, since an FMU's numbers are finite."""
-
-_units: pint.UnitRegistry = pint.UnitRegistry()
 
 
 @dataclass(frozen=True)
@@ -40,12 +39,12 @@ class Entry:
 
     def to(self, unit: str) -> float:
         """The value in an FMI unit such as `N.m/rad`; raises pint.PintError when it is no such."""
-        value = float(self.quantity.to(_pint_unit(unit)).magnitude)
+        value = float(self.quantity.to(parse(unit)).magnitude)
         return NO_STOP if math.isinf(value) else value
 
     @property
     def quantity(self) -> pint.Quantity:
-        return _units.Quantity(self.value, "" if self.unit == "1" else self.unit)
+        return REGISTRY.Quantity(self.value, "" if self.unit == "1" else self.unit)
 
 
 INHERITED = ("symbol", "description")
@@ -207,16 +206,3 @@ def _entry(place: str, given: Mapping[str, Any], inherited: Entry | None) -> Ent
             "or 1 for a plain number"
         ) from error
     return entry
-
-
-def _pint_unit(unit: str) -> pint.Unit:
-    """An FMI unit name such as `kg.m2` or `N.m/rad` as a unit of pint."""
-    if unit == "1":
-        return _units.Unit("")
-    parts = (".".join(_power(factor) for factor in part.split(".")) for part in unit.split("/"))
-    return _units.Unit("/".join(parts).replace(".", "*"))
-
-
-def _power(factor: str) -> str:
-    stem = factor.rstrip("0123456789")
-    return f"{stem}**{factor[len(stem) :]}" if stem and len(stem) < len(factor) else factor

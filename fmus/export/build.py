@@ -40,13 +40,15 @@ def build_block(block: Block, out: Path, platforms: Iterable[Target] | None = No
     """Write one block's FMU into the folder and return its path."""
     parameters = parameter_set(DEFAULT_SET)
     start = parameters.values(block)
-    guid = _guid(block, start)
+    description = model_description(block, start, NO_GUID, VERSION)
+    sources = code.sources(block, start, NO_GUID)
+    guid = _guid(description, sources)
+    sources = {name: text.replace(NO_GUID, guid) for name, text in sources.items()}
     files: dict[str, bytes] = {
-        "modelDescription.xml": model_description(block, start, guid, VERSION).encode(),
+        "modelDescription.xml": description.replace(NO_GUID, guid).encode(),
         "documentation/index.html": documentation(block, parameters, start).encode(),
         "documentation/licenses/license.txt": _licence().encode(),
     }
-    sources = code.sources(block, start, guid)
     for name, text in sources.items():
         files[f"sources/{name}"] = text.encode()
     files |= _binaries(block.name, sources, platforms or targets(["host"]))
@@ -55,10 +57,10 @@ def build_block(block: Block, out: Path, platforms: Iterable[Target] | None = No
     return path
 
 
-def _guid(block: Block, start: Mapping[str, float]) -> str:
+def _guid(description: str, sources: Mapping[str, str]) -> str:
     """A GUID that changes with the description, the sources or the compiler's flags."""
-    digest = hashlib.sha256(model_description(block, start, NO_GUID, VERSION).encode())
-    for name, text in sorted(code.sources(block, start, NO_GUID).items()):
+    digest = hashlib.sha256(description.encode())
+    for name, text in sorted(sources.items()):
         digest.update(name.encode() + b"\0" + text.encode())
     digest.update(" ".join(FLAGS).encode())
     h = digest.hexdigest()

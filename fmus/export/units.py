@@ -6,15 +6,10 @@ from functools import cache
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
-import pint
+from ..units import REGISTRY, parse
 
 BASE = {"kilogram": "kg", "meter": "m", "second": "s", "radian": "rad"}
 DISPLAY = {"rad": ("deg", 57.29577951308232)}
-
-
-@cache
-def _registry() -> pint.UnitRegistry:
-    return pint.UnitRegistry()
 
 
 @cache
@@ -23,12 +18,7 @@ def base_exponents(unit: str) -> dict[str, int]:
 
     Raises ValueError for a unit that is no product of these with factor one.
     """
-    if unit == "1":
-        return {}
-    expression = "/".join(
-        "*".join(_power(factor) for factor in part.split(".")) for part in unit.split("/")
-    )
-    base = _registry().Quantity(1.0, expression).to_base_units()
+    base = REGISTRY.Quantity(1.0, parse(unit)).to_base_units()
     exponents = {str(name): power for name, power in base.unit_items()}
     if abs(base.magnitude - 1.0) > 1e-12:
         raise ValueError(f"unit {unit!r} is not SI: it is {base}")
@@ -36,11 +26,6 @@ def base_exponents(unit: str) -> dict[str, int]:
     if unknown:
         raise ValueError(f"unit {unit!r} has base units other than kg, m, s, rad: {unknown}")
     return {BASE[name]: _whole(unit, power) for name, power in sorted(exponents.items()) if power}
-
-
-def _power(factor: str) -> str:
-    stem = factor.rstrip("0123456789")
-    return f"{stem}**{factor[len(stem) :]}" if stem and len(stem) < len(factor) else factor
 
 
 def _whole(unit: str, power: Any) -> int:

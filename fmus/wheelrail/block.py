@@ -164,11 +164,6 @@ class WheelRail(Block):
         outputs = ca.vertcat(*(y[port.name] for port in self.outputs))
         return ca.Function(law, [x, u, p, d, lookup], [outputs], options or {})
 
-    def output(
-        self, x: Signals, u: Signals, p: Signals, d: Signals, lookup: ca.SX | None
-    ) -> Signals:
-        return self._outputs(None, u, p, d)
-
     def _outputs(self, law: Law | None, u: Signals, p: Signals, d: Signals) -> Signals:
         speed = ca.fmax(u["speed"], p["speed_floor"])
         half_spacing = p["half_contact_spacing"]

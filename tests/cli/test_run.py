@@ -126,7 +126,9 @@ def test_pictures_have_curves_in_them(finished: tuple[Path, Result]) -> None:
         assert 0.005 < np.mean(image.min(axis=-1) < 0.9) < 0.5
 
 
-def test_table_shows_forces_displacements_accelerations_and_energy(finished: tuple[Path, Result]) -> None:
+def test_table_shows_forces_displacements_accelerations_and_energy(
+    finished: tuple[Path, Result],
+) -> None:
     table = finished[1].stdout
     for words in (
         *("rms", "peak", "dominant", "lateral force", "displacement", "L/V", "carbody"),
