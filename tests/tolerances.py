@@ -128,3 +128,10 @@ FIRST_ORDER = 0.05
 
 SAME_LIMIT = 2e-4
 """Difference of two first-order schemes once that order is taken off: 7e-5 measured."""
+
+WELCH_MEAN = 0.06
+"""Mean of Welch's estimate over its target: 10 km hold 50 segments of 400 m."""
+
+NORMAL_SHAPE = 0.25
+"""Skewness and excess kurtosis of 10 km of waves up to 41.7 m: of some 500 independent values the
+kurtosis has a deviation of 0.22."""

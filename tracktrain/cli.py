@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,6 +15,8 @@ from .failures import Stopped, clear_errors
 from .fmu_command import fmu
 from .hopper import BLOCK_OF, CARS, TRACKS
 from .options import Assignment, Name, Quantity
+from .studies.command import study
+from .terminal import writable
 
 if TYPE_CHECKING:
     from orchestrator import Run
@@ -43,6 +44,7 @@ def main() -> None:
 
 
 main.add_command(fmu)
+main.add_command(study)
 
 
 @main.command(
@@ -78,7 +80,7 @@ def build(targets: tuple[str, ...], out: Path) -> None:
         from fmus import BLOCKS
         from fmus.export import build as build_fmus
 
-        folder = _writable(out)
+        folder = writable(out)
         for name in BLOCKS:
             path = build_fmus(folder, [name], targets)[name]
             click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
@@ -204,7 +206,7 @@ def run(
 
         from . import changes, hopper
 
-        folder = _writable(out)
+        folder = writable(out)
         with _progress(duration, quiet) as (stage, progress):
             system = hopper.hopper_car(car, speed, track, seed)
             notes = []
@@ -282,16 +284,3 @@ def _progress(duration: float, quiet: bool) -> Iterator[tuple[Callable[[str], No
             bar.update(task, completed=time, ratio=ratio)
 
         yield stage, progress
-
-
-def _writable(folder: Path) -> Path:
-    """The folder, made if need be; TracktrainError where nothing can be written."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return folder
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise TracktrainError(
-            f"'{folder}' cannot be written to ({reason}); name another folder with --out"
-        ) from None

@@ -91,7 +91,7 @@ def plot_track(dataset: xr.Dataset) -> Figure:
     title = "Track under the leading axle of the front truck"
     axes[0].set_title(_with_speed(title if drawn else f"{title}: perfect", dataset))
     axes[-1].set_xlabel("distance run [m]")
-    feet = axes[0].secondary_xaxis("top", functions=_conversion(1.0 / FOOT))
+    feet = axes[0].secondary_xaxis("top", functions=conversion(1.0 / FOOT))
     feet.set_xlabel("distance run [ft]")
     return figure
 
@@ -181,7 +181,7 @@ def _panels(
         axes.locator_params(axis="y", nbins=5)
         if panel.scale.report_unit:
             ratio = panel.scale.report_factor / panel.scale.factor
-            right = axes.secondary_yaxis("right", functions=_conversion(ratio))
+            right = axes.secondary_yaxis("right", functions=conversion(ratio))
             right.set_ylabel(f"[{panel.scale.report_unit}]")
     return figure, list(grid)
 
@@ -199,7 +199,8 @@ def _envelope(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return x[kept], y[kept]
 
 
-def _conversion(factor: float) -> tuple[Callable[[Any], Any], Callable[[Any], Any]]:
+def conversion(factor: float) -> tuple[Callable[[Any], Any], Callable[[Any], Any]]:
+    """Functions that turn an axis's values into those of a second axis, and back."""
     return (lambda value: value * factor), (lambda value: value / factor)
 
 

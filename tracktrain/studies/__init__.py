@@ -1,0 +1,17 @@
+"""Studies of the hopper car and of its blocks: each a function, a command and a file of its own.
+
+from tracktrain.studies.track import track
+outcome = track(spectrum="fra4", seed=7)
+outcome.tables["rms"]
+"""
+
+from __future__ import annotations
+
+from .outcome import Outcome
+
+STUDIES = {
+    "track": "Track alone: histogram, spectrum, realisation (Figures 5-3 to 5-5)",
+}
+"""Name of each study, whose module is called the same with underscores, and what it shows."""
+
+__all__ = ["STUDIES", "Outcome"]

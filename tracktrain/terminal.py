@@ -1,0 +1,59 @@
+"""What commands share on a terminal: a folder to write to, tables, a progress bar."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .errors import TracktrainError
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from rich.table import Table
+
+Progress = Callable[[float], None]
+"""Called with the share that is done, from 0 to 1."""
+
+
+def writable(folder: Path) -> Path:
+    """The folder, made if need be; TracktrainError where nothing can be written."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return folder
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise TracktrainError(
+            f"'{folder}' cannot be written to ({reason}); name another folder with --out"
+        ) from None
+
+
+def printable(table: pd.DataFrame, title: str) -> Table:
+    """A table for the terminal, numbers to four digits, its index as the first columns."""
+    from rich.box import SIMPLE_HEAD
+    from rich.markup import escape
+    from rich.table import Table
+
+    shown = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    flat = table.reset_index() if any(table.index.names) else table
+    for name in flat.columns:
+        number = flat[name].dtype.kind in "if"
+        shown.add_column(escape(str(name)), justify="right" if number else "left")
+    for row in flat.itertuples(index=False):
+        shown.add_row(*(f"{v:.4g}" if isinstance(v, float) else escape(str(v)) for v in row))
+    return shown
+
+
+@contextmanager
+def progress_bar(title: str, hidden: bool = False) -> Iterator[Progress]:
+    """A bar on the terminal's error stream that a call moves; nothing where that is no terminal."""
+    from rich.console import Console
+    from rich.progress import Progress as Bar
+
+    console = Console(stderr=True)
+    with Bar(console=console, disable=hidden or not console.is_terminal, transient=True) as bar:
+        task = bar.add_task(title, total=1.0)
+        yield lambda share: bar.update(task, completed=share)
