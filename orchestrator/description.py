@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import os
 import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
@@ -13,8 +12,11 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+from .archive import open_archive
 from .errors import FmuError, choices
 from .units import BaseUnit, Definitions
+
+DESCRIPTION = "modelDescription.xml"
 
 _INTERFACES = {
     "co-simulation": "CoSimulation",
@@ -169,17 +171,10 @@ def open_fmu(path: Path) -> Contents:
         raise FmuError(f"'{path}' is no FMU: it is a folder")
     if not zipfile.is_zipfile(path):
         raise FmuError(f"'{path}' is no FMU: it is not a zip archive")
-    try:
-        with zipfile.ZipFile(path) as archive:
-            members = tuple(archive.namelist())
-            if "modelDescription.xml" not in members:
-                raise FmuError(f"'{path}' is no FMU: it has no modelDescription.xml")
-            root = ElementTree.fromstring(archive.read("modelDescription.xml"))
-    except (zipfile.BadZipFile, zlib.error, OSError, ElementTree.ParseError, RuntimeError) as error:
-        raise FmuError(
-            f"'{path}' has a modelDescription.xml that cannot be read: {error}"
-        ) from None
-    return Contents(path, members, root)
+    with open_archive(path) as archive:
+        if DESCRIPTION not in archive.members:
+            raise FmuError(f"'{path}' is no FMU: it has no {DESCRIPTION}")
+        return Contents(path, archive.members, archive.xml(DESCRIPTION))
 
 
 def survey(contents: Contents) -> Description:

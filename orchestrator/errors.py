@@ -14,6 +14,10 @@ class FmuError(OrchestratorError):
     """An FMU file cannot be used."""
 
 
+class ArchiveError(FmuError):
+    """An archive is damaged, or not safe to unpack."""
+
+
 class CouplingError(OrchestratorError):
     """Components, connections or bonds do not fit each other."""
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ctypes
 import os
-import zipfile
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from enum import IntEnum
@@ -20,8 +19,9 @@ from weakref import WeakValueDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from .archive import open_archive
 from .description import Description, Variable
-from .errors import FmuError, SlaveError
+from .errors import SlaveError
 from .system import Value
 
 Logger = Callable[[str, str, str], None]
@@ -239,11 +239,8 @@ def _logger() -> Any:
 def unzip(path: Path, description: Description, folder: Path) -> Path:
     """Unpack what an instance needs of an FMU: this platform's binary and the resources."""
     binaries = f"{PurePosixPath(description.binary).parent}/"
-    with zipfile.ZipFile(path) as archive:
-        wanted = [name for name in archive.namelist() if name.startswith(("resources/", binaries))]
-        for name in wanted:
-            if ".." in PurePosixPath(name).parts or "\\" in name:
-                raise FmuError(f"'{path}' holds '{name}', which lies outside of the archive")
-        archive.extractall(folder, wanted)
+    with open_archive(path) as archive:
+        wanted = [name for name in archive.members if name.startswith(("resources/", binaries))]
+        archive.extract(wanted, folder)
     (folder / "resources").mkdir(exist_ok=True)
     return folder
