@@ -9,59 +9,18 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 import casadi as ca
 import numpy as np
+
+from .variables import Input, Output, Parameter, Variable
 
 Signals = Mapping[str, ca.SX]
 """Symbols or expressions by name: scalars, or for derived constants matrices of any shape."""
 
 STEADY = 1e30
 """Largest micro step [s] of a block whose step is exact or which has no dynamics."""
-
-
-@dataclass(frozen=True)
-class Variable:
-    """A scalar of the block with its unit, as a user of the FMU sees it."""
-
-    name: str
-    unit: str
-    description: str
-    nominal: float | None = None
-
-
-@dataclass(frozen=True)
-class Parameter(Variable):
-    """A number that the user may set; its default comes from the `loaded` parameter set.
-
-    `minimum` and `maximum` are refused beyond. `tunable` allows a change during a run.
-    An enumeration lists its items in `choices`; the value is the item's number, from 1.
-    `default` stands for parameters that no parameter file gives (options, initial values).
-    """
-
-    symbol: str = ""
-    minimum: float | None = None
-    maximum: float | None = None
-    tunable: bool = False
-    kind: Literal["real", "integer", "boolean", "enumeration"] = "real"
-    choices: tuple[str, ...] = ()
-    default: float | None = None
-
-
-@dataclass(frozen=True)
-class Input(Variable):
-    """A port that the block reads; `start` is what an unconnected input means."""
-
-    start: float = 0.0
-    optional: bool = False
-
-
-@dataclass(frozen=True)
-class Output(Variable):
-    """A port that the block writes; `derivative_of` names the output it is the rate of."""
-
-    derivative_of: str | None = None
 
 
 @dataclass(frozen=True)

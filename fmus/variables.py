@@ -1,0 +1,49 @@
+"""What a model reads, writes and can be told: declarations of its ports and parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A scalar of a model with its unit, as a user of the FMU sees it."""
+
+    name: str
+    unit: str
+    description: str
+    nominal: float | None = None
+
+
+@dataclass(frozen=True)
+class Parameter(Variable):
+    """A number that the user may set; its default comes from the `loaded` parameter set.
+
+    `minimum` and `maximum` are refused beyond. `tunable` allows a change during a run.
+    An enumeration lists its items in `choices`; the value is the item's number, from 1.
+    `default` stands for parameters that no parameter file gives (options, initial values).
+    """
+
+    symbol: str = ""
+    minimum: float | None = None
+    maximum: float | None = None
+    tunable: bool = False
+    kind: Literal["real", "integer", "boolean", "enumeration"] = "real"
+    choices: tuple[str, ...] = ()
+    default: float | None = None
+
+
+@dataclass(frozen=True)
+class Input(Variable):
+    """A port that the model reads; `start` is what an unconnected input means."""
+
+    start: float = 0.0
+    optional: bool = False
+
+
+@dataclass(frozen=True)
+class Output(Variable):
+    """A port that the model writes; `derivative_of` names the output it is the rate of."""
+
+    derivative_of: str | None = None
