@@ -14,18 +14,22 @@ from .errors import OrchestratorError
 from .mock import Mock
 from .results import Run
 from .simulation import simulate
-from .system import Component, Connection, PowerBond, System
+from .system import Component, Connection, Experiment, PowerBond, System
+from .transformation import Linear, Table
 
 __all__ = [
     "BondResidual",
     "Component",
     "Connection",
     "Description",
+    "Experiment",
+    "Linear",
     "Mock",
     "OrchestratorError",
     "PowerBond",
     "Run",
     "System",
+    "Table",
     "Tangent",
     "Variable",
     "describe",

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from .description import Description, Variable
 from .errors import CouplingError, UnitError, choices
 from .system import PowerBond
+from .transformation import IDENTITY
 from .units import scale_of
 
 if TYPE_CHECKING:
@@ -63,10 +64,11 @@ def find_bonds(
 
 
 def _found(names: list[str], links: list[Link], descriptions: list[Description]) -> Iterator[Bond]:
-    for force in links:
+    plain = [link for link in links if link.transformation == IDENTITY]
+    for force in plain:
         back = [
             link
-            for link in links
+            for link in plain
             if (link.source, link.target) == (force.target, force.source)
             and _group(link.output) == _group(force.input)
             and _group(link.input) == _group(force.output)

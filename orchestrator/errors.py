@@ -22,6 +22,10 @@ class CouplingError(OrchestratorError):
     """Components, connections or bonds do not fit each other."""
 
 
+class SspError(OrchestratorError):
+    """A file of the SSP standard cannot be read, or a system cannot be written as one."""
+
+
 class ValueRefusedError(OrchestratorError):
     """A value does not fit the variable that it is for."""
 

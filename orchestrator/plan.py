@@ -12,13 +12,14 @@ from .errors import CouplingError, ResultsError, UnitError, choices
 from .feedthrough import Batch, evaluation_order
 from .mock import Mock
 from .system import Connection, System, Value, split
+from .transformation import IDENTITY, Linear, Transformation
 from .units import conversion
 from .values import resolve
 
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A connected input: input = gain * output + offset."""
+    """A connected input: input = gain * output + offset, the transformation included."""
 
     source: int
     output: Variable
@@ -26,6 +27,7 @@ class Link:
     input: Variable
     gain: float = 1.0
     offset: float = 0.0
+    transformation: Transformation = IDENTITY
 
 
 @dataclass
@@ -77,7 +79,7 @@ def make_plan(system: System, record: Sequence[str] | None = None) -> Plan:
             raise CouplingError(f"'{name}' cannot name an instance: it is empty or has a dot")
     descriptions = [_description(c.fmu) for c in system.components.values()]
     _check_single_instances(names, descriptions)
-    notes: list[str] = []
+    notes = list(system.notes)
     links = _links(system.connections, names, descriptions, notes)
     values = [
         [resolve(name, d, n, v) for n, v in c.parameters.items()]
@@ -166,11 +168,14 @@ def _links(
         )
         if (gain, offset) != (1.0, 0.0):
             shift = f" {offset:+g}" if offset else ""
+            done = "converted" if connection.transformation == IDENTITY else "transformed"
             notes.append(
                 f"{names[source]}.{output.label} drives {names[target]}.{port.label}: "
-                f"converted, times {gain:g}{shift}"
+                f"{done}, times {gain:g}{shift}"
             )
-        links[target, port.name] = Link(source, output, target, port, gain, offset)
+        links[target, port.name] = Link(
+            source, output, target, port, gain, offset, connection.transformation
+        )
     return sorted(links.values(), key=lambda link: link.target)
 
 
@@ -208,6 +213,26 @@ def _port(
 
 
 def _conversion(
+    connection: Connection,
+    output: Variable,
+    port: Variable,
+    giving: Description,
+    taking: Description,
+) -> tuple[float, float]:
+    """Gain and offset from the output to the input: first the units', then the connection's."""
+    after = connection.transformation
+    if not isinstance(after, Linear):
+        raise CouplingError(
+            f"{connection.target} is driven by {connection.source} through a map of kind "
+            f"{after.kind}, and both are Real; give a linear transformation"
+        )
+    if connection.suppress_unit_conversion:
+        return after.factor, after.offset
+    gain, offset = _unit_conversion(connection, output, port, giving, taking)
+    return after.factor * gain, after(offset)
+
+
+def _unit_conversion(
     connection: Connection,
     output: Variable,
     port: Variable,

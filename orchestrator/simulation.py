@@ -18,10 +18,13 @@ from .mock import Mock, MockSlave
 from .plan import Plan, make_plan, start_values
 from .results import Run, Statistics, provenance
 from .slave import Fmi2Slave, Logger, Slave, unzip
-from .system import System
+from .system import Experiment, System
 
 Progress = Callable[[float, float], None]
 """Called with simulated time and wall time of stepping [s]."""
+
+STEP = 1e-3
+"""Macro step where neither the caller nor the system gives one [s]."""
 
 WHOLE = 1e-9
 """Relative distance from a whole number of steps that is rounding."""
@@ -30,10 +33,10 @@ WHOLE = 1e-9
 def simulate(
     system: System,
     *,
-    duration: float,
-    step: float = 1e-3,
+    duration: float | None = None,
+    step: float | None = None,
     master: str = "one-pass",
-    start: float = 0.0,
+    start: float | None = None,
     record: Sequence[str] | None = None,
     progress: Progress | None = None,
     compiled: bool = True,
@@ -41,8 +44,9 @@ def simulate(
     measure: bool = False,
     command: str | None = None,
 ) -> Run:
-    """Run a system for `duration` [s] with macro steps of `step` [s].
+    """Run a system for `duration` [s] with macro steps of `step` [s], from the time `start` [s].
 
+    What is None is taken from the system's experiment; else the step is 1 ms and the start 0.
     record: names or patterns of the outputs to keep; None keeps all, and every open input.
     compiled: False runs the same macro loop as plain Python.
     measure: estimate the share of time inside the FMUs. command: for the results' provenance.
@@ -50,6 +54,7 @@ def simulate(
     always returns, and says in `message` why it stopped early.
     """
     begin = time.perf_counter()
+    start, duration, step = _span(system.experiment, start, duration, step)
     steps, notes = _steps(duration, step, start)
     plan = make_plan(system, record)
     # numba takes half a second to import: not before the system is known to be sound.
@@ -108,6 +113,19 @@ def simulate(
         ),
         notes=[*notes, *plan.notes, *stepper.notes, *stepper.messages()],
     )
+
+
+def _span(
+    experiment: Experiment, start: float | None, duration: float | None, step: float | None
+) -> tuple[float, float, float]:
+    """Start, duration and step [s]: those given, else the experiment's, else the usual."""
+    first = next(time for time in (start, experiment.start, 0.0) if time is not None)
+    if duration is None:
+        if experiment.stop is None:
+            raise CouplingError("the system does not say how long to run; give a duration")
+        duration = experiment.stop - first
+    size = next(size for size in (step, experiment.step, STEP) if size is not None)
+    return first, duration, size
 
 
 def _steps(duration: float, step: float, start: float) -> tuple[int, list[str]]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .errors import CouplingError, choices
+from .transformation import IDENTITY, Transformation
 
 if TYPE_CHECKING:
     from .mock import Mock
@@ -26,10 +27,15 @@ class Component:
 
 @dataclass(frozen=True)
 class Connection:
-    """An output that drives an input: "truck_front.axle[1].y", instance, dot, variable."""
+    """An output that drives an input: "truck_front.axle[1].y", instance, dot, variable.
+
+    The value is converted to the target's unit, unless that is suppressed, and then transformed.
+    """
 
     source: str
     target: str
+    transformation: Transformation = IDENTITY
+    suppress_unit_conversion: bool = False
 
 
 @dataclass(frozen=True)
@@ -41,12 +47,26 @@ class PowerBond:
 
 
 @dataclass(frozen=True)
+class Experiment:
+    """How a system is run when nothing else is asked for [s]; None where it does not say."""
+
+    start: float | None = None
+    stop: float | None = None
+    step: float | None = None
+
+
+@dataclass(frozen=True)
 class System:
-    """Instances by name, and how they are connected. Without `bonds` these are found by unit."""
+    """Instances by name, and how they are connected. Without `bonds` these are found by unit.
+
+    notes: what the reader of a file has to say about it; a run repeats them.
+    """
 
     components: Mapping[str, Component]
     connections: tuple[Connection, ...] = ()
     bonds: tuple[PowerBond, ...] | None = None
+    experiment: Experiment = Experiment()
+    notes: tuple[str, ...] = field(default=(), compare=False)
 
     def with_fmu(self, instance: str, path: Path | Mock) -> System:
         """The same system with another FMU in an instance's place; its values are kept."""

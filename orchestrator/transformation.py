@@ -1,0 +1,71 @@
+"""What a connection or a parameter map does to a value on its way: a line, or a table."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Literal
+
+from .errors import CouplingError, choices
+
+Kind = Literal["Boolean", "Integer", "Enumeration"]
+
+
+@dataclass(frozen=True)
+class Linear:
+    """target = factor * source + offset, with the source in the target's unit already."""
+
+    factor: float = 1.0
+    offset: float = 0.0
+
+    def __call__(self, value: float) -> float:
+        return self.factor * value + self.offset
+
+    def after(self, first: Linear) -> Linear:
+        """Both in one, `first` being applied first."""
+        return Linear(self.factor * first.factor, self(first.offset))
+
+
+@dataclass(frozen=True)
+class Table:
+    """Values by value: booleans, integers or names of an enumeration's items."""
+
+    kind: Kind
+    entries: tuple[tuple[bool | int | str, bool | int | str], ...] = field(default=())
+
+    def __call__(self, value: bool | int | str) -> bool | int | str:
+        """The value's target; raises CouplingError for a value that the table has not."""
+        for source, target in self.entries:
+            if source == value:
+                return target
+        raise CouplingError(
+            f"the {self.kind.lower()} map has no entry for '{value}'; "
+            f"{choices(str(value), (str(source) for source, _ in self.entries))}"
+        )
+
+    def after(self, first: Table) -> Table:
+        """Both in one, `first` being applied first; raises CouplingError for a gap."""
+        if first.kind != self.kind:
+            raise CouplingError(
+                f"a map of kind {first.kind} cannot be followed by one of kind {self.kind}"
+            )
+        return Table(self.kind, tuple((source, self(via)) for source, via in first.entries))
+
+
+Transformation = Linear | Table
+IDENTITY = Linear()
+
+
+def composed(parts: Iterable[Transformation]) -> Transformation:
+    """All of them, in the order in which a value meets them; raises CouplingError for a mixture."""
+    result: Transformation = IDENTITY
+    for part in parts:
+        if part == IDENTITY:
+            continue
+        if result == IDENTITY:
+            result = part
+        elif type(part) is type(result):
+            result = part.after(result)  # type: ignore[arg-type]
+        else:
+            raise CouplingError("a line and a table of values cannot follow each other")
+    return result
