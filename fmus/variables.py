@@ -47,3 +47,18 @@ class Output(Variable):
     """A port that the model writes; `derivative_of` names the output it is the rate of."""
 
     derivative_of: str | None = None
+
+
+MAX = 1.7976931348623157e308
+
+
+def limits(parameter: Parameter) -> tuple[float, float]:
+    """Smallest and largest value that is accepted, [SI]; unbounded is the largest double."""
+    if parameter.kind == "enumeration":
+        return 1.0, float(len(parameter.choices))
+    if parameter.kind == "boolean":
+        return 0.0, 1.0
+    bound = MAX if parameter.kind == "real" else 2147483647.0
+    low = -bound if parameter.minimum is None else parameter.minimum
+    high = bound if parameter.maximum is None else parameter.maximum
+    return float(low), float(high)

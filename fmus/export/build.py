@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import os
 import tempfile
-import zipfile
 from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -14,13 +13,12 @@ from .. import BLOCKS
 from ..block import Block
 from ..parameters import DEFAULT_SET, parameter_set
 from . import code
+from .archive import NO_GUID, guid, write_archive
 from .compiler import FLAGS, Target, compile_library, targets
 from .description import model_description
 from .documentation import documentation
 
 VERSION = "0.1.0"
-NO_GUID = "{00000000-0000-0000-0000-000000000000}"
-EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
 def build(
@@ -42,18 +40,18 @@ def build_block(block: Block, out: Path, platforms: Iterable[Target] | None = No
     start = parameters.values(block)
     description = model_description(block, start, NO_GUID, VERSION)
     sources = code.sources(block, start, NO_GUID)
-    guid = _guid(description, sources)
-    sources = {name: text.replace(NO_GUID, guid) for name, text in sources.items()}
+    own = _guid(description, sources)
+    sources = {name: text.replace(NO_GUID, own) for name, text in sources.items()}
     files: dict[str, bytes] = {
-        "modelDescription.xml": description.replace(NO_GUID, guid).encode(),
+        "modelDescription.xml": description.replace(NO_GUID, own).encode(),
         "documentation/index.html": documentation(block, parameters, start).encode(),
-        "documentation/licenses/license.txt": _licence().encode(),
+        "documentation/licenses/license.txt": licence().encode(),
     }
     for name, text in sources.items():
         files[f"sources/{name}"] = text.encode()
     files |= _binaries(block.name, sources, platforms or targets(["host"]))
     path = out / f"{block.name}.fmu"
-    _write_archive(path, files)
+    write_archive(path, files)
     return path
 
 
@@ -63,8 +61,7 @@ def _guid(description: str, sources: Mapping[str, str]) -> str:
     for name, text in sorted(sources.items()):
         digest.update(name.encode() + b"\0" + text.encode())
     digest.update(" ".join(FLAGS).encode())
-    h = digest.hexdigest()
-    return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
+    return guid(digest.hexdigest())
 
 
 def _binaries(
@@ -88,22 +85,5 @@ def _binaries(
             return dict(pool.map(compiled, platforms))
 
 
-def _licence() -> str:
+def licence() -> str:
     return (Path(__file__).parent / "license.txt").read_text()
-
-
-def _write_archive(path: Path, files: Mapping[str, bytes]) -> None:
-    """Zip with fixed times and order; the file appears whole or not at all."""
-    descriptor, name = tempfile.mkstemp(dir=path.parent, suffix=".part")
-    try:
-        with os.fdopen(descriptor, "wb") as stream, zipfile.ZipFile(stream, "w") as archive:
-            for file in sorted(files, key=lambda name: (name != "modelDescription.xml", name)):
-                info = zipfile.ZipInfo(file, date_time=EPOCH)
-                info.compress_type = zipfile.ZIP_DEFLATED
-                info.external_attr = 0o644 << 16
-                archive.writestr(info, files[file])
-        Path(name).chmod(0o644)
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import casadi as ca
 
-from ..block import Block, Parameter, Variable
+from ..block import Block, Variable
+from ..variables import MAX, limits
 
 NATIVE = Path(__file__).parent / "native"
 TABLE_SLOTS = 16
@@ -122,18 +123,3 @@ def _variables(block: Block, start: Mapping[str, float]) -> str:
 def _names(variables: Sequence[Variable]) -> str:
     """Elements of a C table of names; a table of none would not be C."""
     return ",\n    ".join(f'"{v.name}"' for v in variables) or "0"
-
-
-MAX = 1.7976931348623157e308
-
-
-def limits(parameter: Parameter) -> tuple[float, float]:
-    """Smallest and largest value that is accepted, [SI]; unbounded is the largest double."""
-    if parameter.kind == "enumeration":
-        return 1.0, float(len(parameter.choices))
-    if parameter.kind == "boolean":
-        return 0.0, 1.0
-    bound = MAX if parameter.kind == "real" else 2147483647.0
-    low = -bound if parameter.minimum is None else parameter.minimum
-    high = bound if parameter.maximum is None else parameter.maximum
-    return float(low), float(high)

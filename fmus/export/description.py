@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element, SubElement
 import casadi as ca
 
 from ..block import Block, Parameter, Variable
-from .code import limits
+from ..variables import limits
 from .units import DISPLAY, unit_definitions
 
 FMI_KIND = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
