@@ -14,6 +14,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from .terminals import Terminal
 from .variables import Input, Output, Parameter, Variable
 
 Signals = Mapping[str, ca.SX]
@@ -71,6 +72,7 @@ class Block:
     outputs: Sequence[Output]
     states: Sequence[State] = ()
     tangents: Sequence[Tangent] = ()
+    terminals: Sequence[Terminal] = ()
     table: Table | None = None
     switch: str | None = None
 

@@ -7,6 +7,7 @@ from math import cos, cosh, pi
 import casadi as ca
 
 from ..block import Block, Input, Output, Parameter, Signals, State
+from ..terminals import CENTRE_PLATE, Terminal
 from .oscillator import oscillator, rigid
 
 MODAL = "kg^(1/2).m"
@@ -158,6 +159,10 @@ class Carbody(Block):
     states = (
         *(State(f"q[{i}]", MODAL, f"Modal coordinate {i}") for i in range(1, 9)),
         *(State(f"qd[{i}]", f"{MODAL}/s", f"Rate of modal coordinate {i}") for i in range(1, 9)),
+    )
+    terminals = tuple(
+        Terminal(end, CENTRE_PLATE, f"Truck under the {end} centre plate", place, prefix=f"{end}.")
+        for end, place in (("front", (50, -64)), ("rear", (-50, -64)))
     )
 
     def derived(self, p: Signals) -> Signals:

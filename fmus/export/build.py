@@ -13,10 +13,11 @@ from .. import BLOCKS
 from ..block import Block
 from ..parameters import DEFAULT_SET, parameter_set
 from . import code
+from .accompanying import accompanying_files
 from .archive import NO_GUID, guid, write_archive
+from .build_description import build_description
 from .compiler import FLAGS, Target, compile_library, targets
 from .description import model_description
-from .documentation import documentation
 
 VERSION = "0.1.0"
 
@@ -44,9 +45,9 @@ def build_block(block: Block, out: Path, platforms: Iterable[Target] | None = No
     sources = {name: text.replace(NO_GUID, own) for name, text in sources.items()}
     files: dict[str, bytes] = {
         "modelDescription.xml": description.replace(NO_GUID, own).encode(),
-        "documentation/index.html": documentation(block, parameters, start).encode(),
-        "documentation/licenses/license.txt": licence().encode(),
+        "sources/buildDescription.xml": build_description(block.name, sources).encode(),
     }
+    files |= accompanying_files(block, parameters, start)
     for name, text in sources.items():
         files[f"sources/{name}"] = text.encode()
     files |= _binaries(block.name, sources, platforms or targets(["host"]))
@@ -83,7 +84,3 @@ def _binaries(
 
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             return dict(pool.map(compiled, platforms))
-
-
-def licence() -> str:
-    return (Path(__file__).parent / "license.txt").read_text()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
-from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 import casadi as ca
@@ -12,6 +11,7 @@ import casadi as ca
 from ..block import Block, Parameter, Variable
 from ..variables import limits
 from .units import DISPLAY, unit_definitions
+from .xml import document
 
 FMI_KIND = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
 STEP_SIZE = 1e-3
@@ -62,8 +62,7 @@ def model_description(block: Block, start: Mapping[str, float], guid: str, versi
     _vendor_annotations(root, block)
     _variables(root, block, start)
     _structure(root, block)
-    ElementTree.indent(root)
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root, "unicode") + "\n"
+    return document(root)
 
 
 def _is_real(variable: Variable) -> bool:

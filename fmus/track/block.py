@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import casadi as ca
 
 from ..block import Block, Input, Output, Parameter, Signals, State, Table
+from ..terminals import RAILS, Terminal
 from .irregularity import (
     LINE_ROWS,
     LINES,
@@ -112,6 +113,17 @@ class Track(Block):
         *(rail for axle in AXLES for rail in _rails(axle)),
     )
     states = (State("distance", "m", "Distance travelled"),)
+    terminals = tuple(
+        Terminal(
+            f"axle[{axle}]",
+            RAILS,
+            f"Wheelset and truck on the rails under axle {axle}",
+            (120.0 - 48.0 * axle, 84.0),
+            prefix=f"axle[{axle}].",
+            renamed={"speed": "speed_out"},
+        )
+        for axle in AXLES
+    )
     table: Table
 
     def __init__(self) -> None:

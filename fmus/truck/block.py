@@ -21,6 +21,7 @@ from .ports import (
     SHARES,
     STATES,
     TANGENTS,
+    TERMINALS,
 )
 
 GRAVITY = 9.80665  # [m/s2]
@@ -60,6 +61,7 @@ class Truck(Block):
     outputs = OUTPUTS
     states = STATES
     tangents = TANGENTS
+    terminals = TERMINALS
 
     def derived(self, p: Signals) -> Signals:
         """Inverse mass matrix, damping and friction constants, and limits of the micro step."""

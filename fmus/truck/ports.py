@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..block import Input, Output, Parameter, State, Tangent
+from ..terminals import CENTRE_PLATE, RAILS, WHEELSET, Terminal
 
 AXLES = (1, 2)
 COORDINATES = {
@@ -243,5 +244,19 @@ STATES = (
     *(
         State(f"slip[{i}]", unit, f"Slip of the friction in element {i}, {name.replace('_', ' ')}")
         for i, (name, unit) in enumerate(ELEMENTS.items(), start=1)
+    ),
+)
+
+_AXLE_PLACE = {1: 54.0, 2: -54.0}
+
+TERMINALS = (
+    Terminal("car", CENTRE_PLATE, "Carbody on the centre plate", (0, 60), prefix="car."),
+    *(
+        Terminal(f"axle[{k}]", WHEELSET, f"Wheelset {k}", (x, -28), prefix=f"axle[{k}].")
+        for k, x in _AXLE_PLACE.items()
+    ),
+    *(
+        Terminal(f"rails[{k}]", RAILS, f"Rails under axle {k}", (x, -80), prefix=f"axle[{k}].")
+        for k, x in _AXLE_PLACE.items()
     ),
 )

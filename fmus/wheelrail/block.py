@@ -8,6 +8,7 @@ from typing import Any
 import casadi as ca
 
 from ..block import Block, Input, Output, Parameter, Signals
+from ..terminals import RAILS, WHEELSET, Terminal
 from .creep import LAWS, Law
 from .loaded_contact import loaded_contact, static_contact
 
@@ -129,6 +130,11 @@ class WheelRail(Block):
             for name, (unit, text, nominal) in _PER_WHEEL.items()
         ),
         Output("y_rel", "m", "Wheelset relative to the mean of the two rails", nominal=1e-2),
+    )
+
+    terminals = (
+        Terminal("wheelset", WHEELSET, "Truck on the wheelset", (0, 34)),
+        Terminal("rails", RAILS, "Rails under the wheelset", (0, -78)),
     )
 
     switch = "creep_law"

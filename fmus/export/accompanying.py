@@ -1,0 +1,41 @@
+"""What comes with a block in any FMU of it: documentation, licence, terminals and drawings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from ..block import Block
+from ..parameters import ParameterSet
+from .documentation import documentation
+from .terminals import terminals_and_icons
+
+HERE = Path(__file__).parent
+
+
+def accompanying_files(
+    block: Block, parameters: ParameterSet, start: Mapping[str, float]
+) -> dict[str, bytes]:
+    """The files by their place in the archive. start: parameter values [SI]."""
+    texts = {
+        "documentation/index.html": documentation(block, parameters, start),
+        "documentation/licenses/license.txt": licence(),
+        "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(block),
+    }
+    copies = {}
+    own = HERE.parent / block.name
+    for suffix in (".png", ".svg"):  # docs/draw.py makes the first of the second
+        copies[f"documentation/diagram{suffix}"] = own / f"diagram{suffix}"
+        copies[f"terminalsAndIcons/icon{suffix}"] = own / f"icon{suffix}"
+        for terminal in block.terminals:
+            icon = terminal.joint.name + suffix
+            copies[f"terminalsAndIcons/{icon}"] = HERE / "icons" / icon
+    return {
+        **{place: text.encode() for place, text in texts.items()},
+        **{place: file.read_bytes() for place, file in copies.items()},
+    }
+
+
+def licence() -> str:
+    """Text of the licence of all that is ours in an FMU."""
+    return (HERE / "license.txt").read_text()
