@@ -135,3 +135,9 @@ WELCH_MEAN = 0.06
 NORMAL_SHAPE = 0.25
 """Skewness and excess kurtosis of 10 km of waves up to 41.7 m: of some 500 independent values the
 kurtosis has a deviation of 0.22."""
+
+LOOP_ENERGY = 2e-3
+"""Energy of a sampled loop against 4 f (A - f/Kf): 1000 samples or more cut its corners."""
+
+LOOP_RATE = 5e-3
+"""Two loops at different rates: what is left is inertia and the rig's elasticity."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -39,12 +40,21 @@ def printable(table: pd.DataFrame, title: str) -> Table:
 
     shown = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
     flat = table.reset_index() if any(table.index.names) else table
-    for name in flat.columns:
+    columns = {str(name): [_cell(value) for value in flat[name]] for name in flat.columns}
+    for name, cells in columns.items():
         number = flat[name].dtype.kind in "if"
-        shown.add_column(escape(str(name)), justify="right" if number else "left")
-    for row in flat.itertuples(index=False):
-        shown.add_row(*(f"{v:.4g}" if isinstance(v, float) else escape(str(v)) for v in row))
+        widest = max(map(len, cells), default=1)
+        shown.add_column(escape(name), justify="right" if number else "left", min_width=widest)
+    for row in zip(*columns.values(), strict=True):
+        shown.add_row(*map(escape, row))
     return shown
+
+
+def _cell(value: object) -> str:
+    """A number to four digits; a dash for none."""
+    if not isinstance(value, float):
+        return str(value)
+    return "-" if math.isnan(value) else f"{value:.4g}"
 
 
 @contextmanager

@@ -10,6 +10,8 @@ from __future__ import annotations
 from .outcome import Outcome
 
 STUDIES = {
+    "truck-hysteresis": "Truck on a rig: loops of every element (Figure 4-20)",
+    "identify": "Analog parameters of a truck element from a measured loop (Table 4-5)",
     "track": "Track alone: histogram, spectrum, realisation (Figures 5-3 to 5-5)",
 }
 """Name of each study, whose module is called the same with underscores, and what it shows."""

@@ -1,0 +1,411 @@
+"""The truck on a rig that works each element in turn, as in the report's tests of section 4.2.4."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from math import cos, pi, sin
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+import numpy as np
+
+from ..hopper import CARS
+from ..options import Name
+from ..scales import INCH, POUND_FORCE
+from ..terminal import Progress
+from .command import study_command
+from .outcome import Outcome
+from .rig import Signals, rig, run_on_rig
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from orchestrator import Mock
+
+LOADS = (20.0, 50.0, 100.0)
+"""Vertical loads on the bolster [kip], report section 4.2.4."""
+
+PERIODS = (2.0, 4.0)
+"""Duration of a cycle [s], report section 4.2.4."""
+
+WEDGE_LAWS = ("constant", "load_proportional")
+DRIVES = {"lateral": (1, 5), "yaw": (2,), "roll": (3,), "vertical": (4,), "warp": (6,)}
+"""What the rig moves, and the elements that this works; 1 and 5 lie in series."""
+
+BEYOND = {"stop": 1.2, "slip": 4.0}
+"""Amplitude over the free play of an element with a stop, or over f/Kf of one without."""
+
+GRIP = {"force_y": (2e9, 1e6), "moment_z": (1e9, 1e6)}
+"""Stiffness and damping of the actuators that hold the axles [N/m, N.s/m; N.m/rad, N.m.s/rad]."""
+
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """One loop of an element: strain [m or rad], force [N or N.m], over one cycle."""
+
+    element: int
+    load: float
+    period: float
+    strain: np.ndarray
+    force: np.ndarray
+
+    @property
+    def amplitude(self) -> float:
+        return float(np.ptp(self.strain) / 2)
+
+    @property
+    def dissipated(self) -> float:
+        """Energy per cycle [J]."""
+        closed = [np.append(v, v[0]) for v in (self.strain, self.force)]
+        return float(np.trapezoid(closed[1], closed[0]))
+
+
+def truck_hysteresis(
+    car: str = "loaded",
+    wedge_law: str = "constant",
+    loads: Sequence[float] = LOADS,
+    periods: Sequence[float] = PERIODS,
+    fmu: Path | None = None,
+    progress: Progress | None = None,
+) -> Outcome:
+    """Force against deflection of each element of a truck, loaded cyclically.
+
+    Report Figure 4-20: every "mode" at vertical loads of 20, 50 and 100 kip [kip] and 2 and 4 s a
+    cycle [s]. The rig holds the axles, sets the load by the height of the carbody, and moves the
+    carbody or, for warp, the axles. `fmu` is a truck to test instead of ours.
+    """
+    from fmus.parameters import parameter_set
+    from fmus.truck import Truck
+
+    from ..changes import swapped
+    from ..hopper import hopper_car
+
+    values = parameter_set(car).values(Truck())
+    system = hopper_car(car)
+    if fmu is not None:
+        system, _ = swapped(system, "truck_front", fmu)
+    component = system.components["truck_front"]
+    given = {**component.parameters, "wedge_law": wedge_law}
+    cycles: list[Cycle] = []
+    plan = list(product(DRIVES, loads, periods))
+    for done, (drive, load, period) in enumerate(plan):
+        run = run_on_rig(
+            Path(str(component.fmu)), given, _stand(drive, values, load, period), 3 * period
+        )
+        if not run.completed:
+            from ..errors import TracktrainError
+
+            raise TracktrainError(f"the {drive} loop at {load:g} kip stopped: {run.message}")
+        cycles += _cycles(run.dataset, drive, load, period)
+        if progress:
+            progress((done + 1) / len(plan))
+    return Outcome(
+        title=f"Truck hysteresis, {car}, wedge friction {wedge_law.replace('_', ' ')}",
+        dataset=_dataset(cycles, car, wedge_law),
+        tables={"loops": _table(cycles, values, wedge_law)},
+        pictures={"figure_4_20": _figure(cycles)},
+        files={f"loop_{name}.csv": text for name, text in _csv(cycles)},
+        notes=_notes(wedge_law),
+    )
+
+
+command = study_command(
+    "truck-hysteresis",
+    click.option(
+        "--car", type=Name("car", CARS), default="loaded", show_default=True, help="Parameter set."
+    ),
+    click.option(
+        "--wedge-law",
+        type=Name("wedge law", WEDGE_LAWS),
+        default="constant",
+        show_default=True,
+        help="Friction of the wedges: ASF Ride Control, or Barber.",
+    ),
+    click.option(
+        "--load",
+        "loads",
+        type=float,
+        multiple=True,
+        default=LOADS,
+        show_default=True,
+        metavar="KIP",
+        help="Vertical load on the bolster. Repeatable.",
+    ),
+    click.option(
+        "--period",
+        "periods",
+        type=click.FloatRange(min=0.1),
+        multiple=True,
+        default=PERIODS,
+        show_default=True,
+        metavar="SECONDS",
+        help="Duration of a cycle. Repeatable.",
+    ),
+    click.option(
+        "--fmu",
+        type=click.Path(path_type=Path),
+        metavar="FILE",
+        help="A truck to test instead of ours.",
+    ),
+    epilog="""\b
+Examples:
+  tracktrain study truck-hysteresis
+  tracktrain study truck-hysteresis --wedge-law load_proportional --period 2""",
+)(truck_hysteresis)
+
+
+def _stand(drive: str, values: Values, load: float, period: float) -> Mock:
+    """The rig: the carbody's motion, and actuators that hold the axles or rack them."""
+    relief = _static_load(values) - 1e3 * POUND_FORCE * load
+    height = (
+        relief / values["bolster_vertical.stiffness"]
+        + relief / values["contact_vertical.stiffness"]
+    )
+    amplitude = _amplitude(drive, values)
+    rack = amplitude * values["half_wheelbase"] if drive == "warp" else 0.0
+    moved = {"lateral": "y", "yaw": "yaw", "roll": "roll", "vertical": "z"}.get(drive)
+
+    def law(time: float, u: Signals) -> dict[str, float]:
+        grown, growth = _smoothstep(time / period, 1 / period)
+        angle, rate = 2 * pi * time / period, 2 * pi / period
+        wave, slope = grown * sin(angle), growth * sin(angle) + grown * rate * cos(angle)
+        motion = dict.fromkeys(("y", "z", "roll", "yaw", "vy", "vz", "wx", "wz"), 0.0)
+        motion["z"], motion["vz"] = height * grown, height * growth
+        if moved:
+            motion[moved] += amplitude * wave
+            motion[_RATE[moved]] += amplitude * slope
+        held = {}
+        for axle, sign in ((1, 1.0), (2, -1.0)):
+            stiffness, damping = GRIP["force_y"]
+            y, vy = u[f"axle[{axle}].y"], u[f"axle[{axle}].vy"]
+            held[f"axle[{axle}].force_y"] = stiffness * (sign * rack * wave - y) + damping * (
+                sign * rack * slope - vy
+            )
+            stiffness, damping = GRIP["moment_z"]
+            held[f"axle[{axle}].moment_z"] = (
+                -stiffness * u[f"axle[{axle}].yaw"] - damping * u[f"axle[{axle}].wz"]
+            )
+        return {f"car.{name}": value for name, value in motion.items()} | held
+
+    axles = (1, 2)
+    return rig(
+        outputs=_CAR | {f"axle[{k}].{n}": u for k in axles for n, u in _LOADS.items()},
+        inputs={f"axle[{k}].{n}": u for k in axles for n, u in _MOTION.items()},
+        law=law,
+        rates={f"car.{rate}": f"car.{name}" for name, rate in _RATE.items()},
+        depends={
+            f"axle[{k}].{load}": tuple(f"axle[{k}].{n}" for n in of)
+            for k in axles
+            for load, of in {"force_y": ("y", "vy"), "moment_z": ("yaw", "wz")}.items()
+        },
+    )
+
+
+_RATE = {"y": "vy", "z": "vz", "roll": "wx", "yaw": "wz"}
+_CAR = {f"car.{n}": "m" for n in ("y", "z")} | {f"car.{n}": "rad" for n in ("roll", "yaw")}
+_CAR |= {f"car.{n}": "m/s" for n in ("vy", "vz")} | {f"car.{n}": "rad/s" for n in ("wx", "wz")}
+_MOTION = {"y": "m", "yaw": "rad", "vy": "m/s", "wz": "rad/s"}
+_LOADS = {"force_y": "N", "moment_z": "N.m"}
+
+
+def _smoothstep(u: float, rate: float) -> tuple[float, float]:
+    """0 to 1 over the first cycle with continuous acceleration, and its rate [1/s]."""
+    if u >= 1.0:
+        return 1.0, 0.0
+    return u**3 * (10 - 15 * u + 6 * u * u), 30 * u * u * (1 - u) ** 2 * rate
+
+
+def _static_load(values: Values) -> float:
+    """Static load of the springs [N], P of the truck's equation (7)."""
+    from fmus.truck.block import GRAVITY
+
+    carried = 2 * (values["wheelset_mass"] + values["side_frame_mass"]) * GRAVITY
+    return 2 * values["axle_load"] - carried
+
+
+def _amplitude(drive: str, values: Values) -> float:
+    """Amplitude of the drive [m or rad] that takes its last element as far as `BEYOND` says."""
+    first, *rest = DRIVES[drive][::-1]
+    reached = _reach(first, values)
+    force = _force(first, values, reached)
+    for element in rest:  # in series: what it yields under the same force
+        name = _name(element)
+        beyond = max(force - values[f"{name}.friction_limit"], 0.0)
+        reached += values[f"{name}.free_play"] + beyond / values[f"{name}.stop_stiffness"]
+    return reached
+
+
+def _reach(element: int, values: Values) -> float:
+    name = _name(element)
+    if values[f"{name}.stop_stiffness"] > 0.0:
+        return BEYOND["stop"] * values[f"{name}.free_play"]
+    return BEYOND["slip"] * _elastic_reach(element, values)
+
+
+def _elastic_reach(element: int, values: Values) -> float:
+    name = _name(element)
+    return values[f"{name}.friction_limit"] / values[f"{name}.friction_stiffness"]
+
+
+def _force(element: int, values: Values, strain: float) -> float:
+    name = _name(element)
+    beyond = max(strain - values[f"{name}.free_play"], 0.0)
+    return (
+        values[f"{name}.stiffness"] * strain
+        + values[f"{name}.stop_stiffness"] * beyond
+        + values[f"{name}.friction_limit"]
+    )
+
+
+def _name(element: int) -> str:
+    from fmus.truck.ports import ELEMENTS
+
+    return tuple(ELEMENTS)[element - 1]
+
+
+def _cycles(dataset: xr.Dataset, drive: str, load: float, period: float) -> Iterator[Cycle]:
+    """The loops of the third cycle."""
+    last = dataset.isel(time=slice(-round(period / float(dataset.time[1])) - 1, -1))
+    lateral = (last["unit.axle[1].y"] + last["unit.axle[2].y"]) / 2 + last["unit.q[5]"]
+    strain = {
+        1: lateral - last["rig.car.y"],
+        2: last["unit.axle[1].yaw"] - last["rig.car.yaw"],
+        3: last["unit.q[3]"],
+        4: last["unit.q[6]"],
+        5: last["unit.q[5]"],
+        6: last["unit.q[4]"],
+    }
+    for element in DRIVES[drive]:
+        force = last[f"unit.spring[{element}]"] + last[f"unit.friction[{element}]"]
+        yield Cycle(element, load, period, strain[element].values, force.values)
+
+
+def _dataset(cycles: Sequence[Cycle], car: str, wedge_law: str) -> xr.Dataset:
+    """Loops of all elements over load and period, at equal phases of the cycle."""
+    import xarray as xr
+
+    from fmus.truck.ports import ELEMENTS
+
+    loads = sorted({c.load for c in cycles})
+    periods = sorted({c.period for c in cycles})
+    phase = np.arange(1000) / 1000
+    shape = (len(loads), len(periods), len(phase))
+    data: dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, str]]] = {}
+    for element, (name, unit) in enumerate(ELEMENTS.items(), start=1):
+        for quantity, units in (("strain", unit), ("force", {"m": "N", "rad": "N.m"}[unit])):
+            values = np.full(shape, np.nan)
+            for c in cycles:
+                if c.element == element:
+                    own = np.arange(len(c.strain)) / len(c.strain)
+                    place = loads.index(c.load), periods.index(c.period)
+                    values[place] = np.interp(phase, own, getattr(c, quantity), period=1.0)
+            data[f"{name}.{quantity}"] = (("load", "period", "phase"), values, {"units": units})
+    coordinates = {
+        "load": ("load", loads, {"units": "kip"}),
+        "period": ("period", periods, {"units": "s"}),
+        "phase": ("phase", phase, {"units": "1"}),
+    }
+    return xr.Dataset(data, coordinates, {"car": car, "wedge_law": wedge_law})
+
+
+def _table(cycles: Sequence[Cycle], values: Values, wedge_law: str) -> pd.DataFrame:
+    """Amplitude A, peak force, energy per cycle, and this in closed form."""
+    import pandas as pd
+
+    rows = []
+    for c in sorted(cycles, key=lambda c: (c.element, c.load, c.period)):
+        limit = values[f"{_name(c.element)}.friction_limit"]
+        ratio = _limit_ratio(c, values, wedge_law)
+        slipping = c.amplitude - ratio * _elastic_reach(c.element, values)
+        rows.append(
+            {
+                "element": f"{c.element} {_name(c.element).replace('_', ' ')}",
+                "load [kip]": c.load,
+                "period [s]": c.period,
+                "A [mm, mrad]": 1e3 * c.amplitude,
+                "peak [kN, kN.m]": 1e-3 * float(np.ptp(c.force) / 2),
+                "energy [J]": c.dissipated,
+                "4f(A-f/Kf) [J]": 4 * ratio * limit * max(slipping, 0.0),
+            }
+        )
+    return pd.DataFrame(rows).set_index("element")
+
+
+def _limit_ratio(cycle: Cycle, values: Values, wedge_law: str) -> float:
+    """Friction limit over its parameter; not a constant of the loop for the vertical one."""
+    if wedge_law == "constant" or cycle.element not in (3, 4, 5):
+        return 1.0
+    if cycle.element == 4:
+        return np.nan
+    return 1e3 * POUND_FORCE * cycle.load / _static_load(values)
+
+
+def _csv(cycles: Sequence[Cycle]) -> Iterator[tuple[str, bytes]]:
+    """One loop of each element at the largest load, as `study identify` reads it."""
+    import pandas as pd
+
+    from fmus.truck.ports import ELEMENTS
+
+    for element, (name, unit) in enumerate(ELEMENTS.items(), start=1):
+        own = [c for c in cycles if c.element == element]
+        c = max(own, key=lambda c: (c.load, -c.period))
+        columns = (f"strain [{unit}]", f"force [{({'m': 'N', 'rad': 'N.m'})[unit]}]")
+        table = pd.DataFrame(dict(zip(columns, (c.strain, c.force), strict=True)))
+        yield name, table.to_csv(index=False, float_format="%.9g").encode()
+
+
+def _figure(cycles: Sequence[Cycle]) -> Figure:
+    """Loops of all elements, by load, with the report's units on the far axes."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    from fmus.truck.ports import ELEMENTS
+
+    from ..plots import BLUE, GREEN, PURPLE, RED, STYLE, conversion
+
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(10.0, 6.8), layout="constrained")
+        grid = figure.subplots(2, 3).ravel()
+        colours = dict(
+            zip(sorted({c.load for c in cycles}), (GREEN, PURPLE, RED, BLUE), strict=False)
+        )
+        for element, (axes, (name, unit)) in enumerate(zip(grid, ELEMENTS.items(), strict=True), 1):
+            for c in (c for c in cycles if c.element == element):
+                closed = [np.append(v, v[0]) for v in (c.strain, c.force)]
+                axes.plot(
+                    1e3 * (closed[0] - (closed[0].max() + closed[0].min()) / 2),
+                    1e-3 * (closed[1] - (closed[1].max() + closed[1].min()) / 2),
+                    color=colours.get(c.load, BLUE),
+                    linestyle="-" if c.period == min(x.period for x in cycles) else (0, (4, 3)),
+                    label=f"{c.load:g} kip, {c.period:g} s",
+                )
+            axes.set_title(f"{element} {name.replace('_', ' ')}")
+            kind = ("mm", "kN", 1e-3 / INCH, "in", 1e3 / POUND_FORCE, "lb")
+            if unit == "rad":
+                kind = ("mrad", "kN.m", 1e-3, "rad", 1e3 / POUND_FORCE / INCH, "lb.in")
+            axes.set_xlabel(f"deflection [{kind[0]}]")
+            axes.set_ylabel(f"force [{kind[1]}]")
+            axes.secondary_yaxis("right", functions=conversion(kind[4])).set_ylabel(f"[{kind[5]}]")
+        grid[0].legend(frameon=False, fontsize=7)
+        figure.suptitle("Truck hysteresis (report Figure 4-20)", ha="left", x=0.01)
+        return figure
+
+
+def _notes(wedge_law: str) -> list[str]:
+    if wedge_law == "constant":
+        return [
+            "with constant wedge friction the loops of all loads and periods coincide: the report "
+            "found no influence of the rate, and gives one set of friction limits (Table 4-5)"
+        ]
+    return [
+        "load-proportional wedges: the limits of elements 3, 4, 5 follow the load over its static "
+        "value; that of the vertical element changes within the cycle, so that no closed form is "
+        "given"
+    ]
