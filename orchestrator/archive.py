@@ -55,14 +55,7 @@ class Archive:
             raise ArchiveError(
                 f"'{self.path}' has a {member} of {_size(size)}; at most {_size(XML_SIZE)} are read"
             )
-        text = self.read(member)
-        try:
-            _look_at_xml(text, f"'{self.path}' has a {member}")
-            return ElementTree.fromstring(text)
-        except (expat.ExpatError, ElementTree.ParseError, LookupError, ValueError) as error:
-            raise ArchiveError(
-                f"'{self.path}' has a {member} that cannot be read: {error}"
-            ) from None
+        return parse_xml(self.read(member), f"'{self.path}' has a {member}")
 
     def extract(self, members: Iterable[str], folder: Path) -> None:
         """Unpack members into a folder; raises ArchiveError."""
@@ -84,6 +77,15 @@ def open_archive(path: Path) -> Iterator[Archive]:
         raise ArchiveError(f"'{path}' cannot be opened as a zip archive: {error}") from None
     with archive:
         yield Archive(path, archive)
+
+
+def parse_xml(text: bytes, name: str) -> ElementTree.Element:
+    """Root of an XML document without a document type; `name` begins the ArchiveError."""
+    try:
+        _look_at_xml(text, name)
+        return ElementTree.fromstring(text)
+    except (expat.ExpatError, ElementTree.ParseError, LookupError, ValueError) as error:
+        raise ArchiveError(f"{name} that cannot be read: {error}") from None
 
 
 def _check(path: Path, infos: list[zipfile.ZipInfo]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Literal
@@ -24,6 +25,12 @@ class Linear:
     def after(self, first: Linear) -> Linear:
         """Both in one, `first` being applied first."""
         return Linear(self.factor * first.factor, self(first.offset))
+
+    def is_close_to(self, other: Linear) -> bool:
+        """Whether the two differ by rounding only."""
+        return math.isclose(self.factor, other.factor) and math.isclose(
+            self.offset, other.offset, abs_tol=1e-9
+        )
 
 
 @dataclass(frozen=True)

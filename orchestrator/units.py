@@ -23,6 +23,17 @@ _DIMENSIONS = {
     "cd": "[luminosity]",
 }
 
+_BASE_UNITS = {
+    "kilogram": "kg",
+    "meter": "m",
+    "second": "s",
+    "ampere": "A",
+    "kelvin": "K",
+    "mole": "mol",
+    "candela": "cd",
+    "radian": "rad",
+}
+
 
 @dataclass(frozen=True)
 class Scale:
@@ -59,13 +70,10 @@ Definitions = Mapping[str, BaseUnit]
 
 
 def scale_of(unit: str, definitions: Definitions | None = None) -> Scale:
-    """Scale of a unit as FMI or pint writes it, else as the FMU defines it; raises UnitError."""
-    try:
-        return _pint_scale(unit)
-    except UnitError:
-        if definitions and unit in definitions:
-            return definitions[unit].scale()
-        raise
+    """Scale of a unit as its file defines it, else as FMI or pint writes it; raises UnitError."""
+    if definitions and unit in definitions:
+        return definitions[unit].scale()
+    return _pint_scale(unit)
 
 
 def conversion(
@@ -88,17 +96,39 @@ def quantity(text: str) -> tuple[float, str]:
     return float(match[1]), match[2].strip()
 
 
+def base_unit(unit: str, definitions: Definitions | None = None) -> BaseUnit | None:
+    """A unit by exponents of SI base units, as the FMU defines it or as pint knows it.
+
+    None for one with broken exponents, which FMI and SSP cannot define. Raises UnitError.
+    """
+    if definitions and unit in definitions:
+        return definitions[unit]
+    scale = scale_of(unit)
+    powers = dict(_registry().Quantity(1.0, _parsed(unit)).to_base_units().unit_items())
+    if any(power != int(power) for power in powers.values()):
+        return None
+    exponents = {_BASE_UNITS[name]: int(power) for name, power in sorted(powers.items())}
+    return BaseUnit(exponents, scale.factor, scale.offset)
+
+
 @cache
 def _pint_scale(unit: str) -> Scale:
+    parsed = _parsed(unit)
+    zero, one = (_registry().Quantity(n, parsed).to_base_units().magnitude for n in (0.0, 1.0))
+    dimension = {k: float(n) for k, n in dict(parsed.dimensionality).items()}
+    return Scale(float(one - zero), float(zero), dimension)
+
+
+def _parsed(unit: str) -> Any:
+    """The unit as pint has it; raises UnitError."""
     registry = _registry()
     for spelling in dict.fromkeys((_spelled_for_pint(unit), unit)):
         try:
             parsed = registry.Unit(spelling)
-            zero, one = (registry.Quantity(n, parsed).to_base_units().magnitude for n in (0.0, 1.0))
+            registry.Quantity(1.0, parsed).to_base_units()
         except Exception:  # pint raises many kinds, tokenizer errors among them
             continue
-        dimension = {k: float(n) for k, n in dict(parsed.dimensionality).items()}
-        return Scale(float(one - zero), float(zero), dimension)
+        return parsed
     raise UnitError(f"'{unit}' is not a known unit")
 
 

@@ -1,4 +1,4 @@
-"""The command `tracktrain`: build the FMUs, run the hopper car."""
+"""The command `tracktrain`: build the FMUs, run and export the hopper car."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ import shlex
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from .chosen import CAR_ONLY, chosen_car, chosen_file, refuse_options, system_options
 from .errors import TracktrainError
 from .failures import Stopped, clear_errors
 from .fmu_command import fmu
-from .hopper import BLOCK_OF, CARS, TRACKS
-from .options import Assignment, Name, Quantity
+from .options import Name
 from .studies.command import study
 from .terminal import writable
 
@@ -93,79 +93,22 @@ Examples:
   tracktrain run --car empty --speed "100 ft/s" --track fra4 --seed 7
   tracktrain run --track perfect --initial truck_front.yaw="0.005 deg" --speed "80 ft/s"
   tracktrain run --set wheelset_11.conicity=0.1 --set track.report_rms="0.05 in"
-  tracktrain run --swap truck_rear=my_truck.fmu --out results/my-truck"""
+  tracktrain run --swap truck_rear=my_truck.fmu --out results/my-truck
+  tracktrain run hopper.ssp --set track.seed=7"""
+)
+@click.argument(
+    "file", required=False, is_eager=True, type=click.Path(path_type=Path), metavar="[FILE.ssp]"
 )
 @click.option(
-    "--car",
-    type=Name("car", CARS),
-    default="loaded",
-    show_default=True,
-    help="Parameter set of the car.",
+    "--ssd", metavar="NAME", help="Which system to run, where FILE.ssp holds several (.ssd)."
 )
-@click.option(
-    "--speed",
-    type=Quantity("speed", "m/s", ("ft/s", "mph", "m/s", "km/h"), "60 ft/s"),
-    default="60 ft/s",
-    show_default=True,
-    metavar="SPEED",
-    help="Speed of the train, with its unit.",
-)
-@click.option(
-    "--track",
-    type=Name("track", TRACKS),
-    default="report",
-    show_default=True,
-    help="Irregularities of the track.",
-)
-@click.option(
-    "--seed", type=int, default=1, show_default=True, help="Which realisation of the track."
-)
-@click.option(
-    "--duration",
-    type=Quantity("duration", "s", ("s", "min", "ms"), "8s"),
-    default="8s",
-    show_default=True,
-    metavar="TIME",
-    help="Simulated time.",
-)
-@click.option(
-    "--step",
-    type=Quantity("step", "s", ("ms", "s"), "1ms"),
-    default="1ms",
-    show_default=True,
-    metavar="TIME",
-    help="Macro step, at which the FMUs exchange values.",
-)
+@system_options
 @click.option(
     "--master",
     type=Name("master", ("one-pass", "jacobi")),
     default="one-pass",
     show_default=True,
     help="Coupling algorithm.",
-)
-@click.option(
-    "--set",
-    "settings",
-    type=Assignment(tuple(BLOCK_OF), 'instance.parameter="value unit"'),
-    multiple=True,
-    metavar='INSTANCE.PARAMETER="VALUE UNIT"',
-    help="Change a parameter. Repeatable.",
-)
-@click.option(
-    "--initial",
-    "initials",
-    type=Assignment(tuple(BLOCK_OF), 'instance.coordinate="value unit"'),
-    multiple=True,
-    metavar='INSTANCE.COORDINATE="VALUE UNIT"',
-    help="Displace a truck or the carbody at the start. Repeatable.",
-)
-@click.option(
-    "--swap",
-    "swaps",
-    type=Assignment(tuple(BLOCK_OF), "instance=path.fmu"),
-    multiple=True,
-    metavar="INSTANCE=FMU",
-    help="Put another FMU with the same ports in an instance's place. Repeatable.",
 )
 @click.option(
     "--out",
@@ -179,61 +122,75 @@ Examples:
 @click.pass_context
 def run(
     ctx: click.Context,
-    car: str,
-    speed: float,
-    track: str,
-    seed: int,
-    duration: float,
-    step: float,
+    file: Path | None,
+    ssd: str | None,
     master: str,
-    settings: tuple[tuple[str, str, str], ...],
-    initials: tuple[tuple[str, str, str], ...],
-    swaps: tuple[tuple[str, str, str], ...],
     out: Path,
     quiet: bool,
+    **shape: Any,
 ) -> None:
-    """Run the 80-ton hopper car; print what came out, write results.nc and pictures.
+    """Run the 80-ton hopper car, or the system of FILE; write results.nc and pictures.
 
-    Without options: the loaded car at 60 ft/s over 8 s of the 1980 report's track.
+    Without options: the loaded car at 60 ft/s over 8 s of the 1980 report's track. FILE is an
+    archive or a description (.ssd) of the standard SSP; it says itself what is to be run, and
+    --set, --swap, --duration and --step change that.
     """
     with clear_errors():
-        if step > duration:
-            raise TracktrainError(
-                f"a step of {step:g} s is longer than the run of {duration:g} s; "
-                "give a shorter --step or a longer --duration"
-            )
+        if file is None:
+            refuse_options(ctx, ["ssd"], "there is no file to choose a system of")
+            system = chosen_car(**shape)
+        else:
+            refuse_options(ctx, CAR_ONLY, f"the car is the one that '{file}' describes")
+            system = chosen_file(file, ssd, **{k: v for k, v in shape.items() if k not in CAR_ONLY})
         from orchestrator import simulate
 
-        from . import changes, hopper
-
         folder = writable(out)
-        with _progress(duration, quiet) as (stage, progress):
-            system = hopper.hopper_car(car, speed, track, seed)
-            notes = []
-            for instance, _, path in swaps:
-                system, lacking = changes.swapped(system, instance, Path(path))
-                if lacking:
-                    notes.append(f"{path} as {instance} lacks the parameters {', '.join(lacking)}")
-            for instance, coordinate, value in initials:
-                system = changes.displaced(system, instance, coordinate, value)
-            for instance, name, value in settings:
-                system = changes.assigned(system, instance, name, value)
+        experiment = system.experiment
+        span = (experiment.stop or 0.0) - (experiment.start or 0.0)
+        with _progress(span, quiet) as (stage, progress):
             stage("running")
-            result = simulate(
-                system,
-                duration=duration,
-                step=step,
-                master=master,
-                progress=progress,
-                command=ctx.meta["command"],
-            )
+            result = simulate(system, master=master, progress=progress, command=ctx.meta["command"])
             stage("writing")
             _write(result, folder)
         if not quiet:
-            _print(result, [*notes, *result.notes], folder)
+            _print(result, result.notes, folder)
     if not result.completed:
         message = result.message or "the run stopped early"
         raise Stopped(f"{message}; what was computed until then is in {folder}")
+
+
+@main.command(
+    epilog="""\b
+Examples:
+  tracktrain export hopper.ssp
+  tracktrain export fast.ssp --speed "100 ft/s" --track fra4 --seed 7 --duration 20s
+  tracktrain export soft.ssp --set truck_front.bolster_lateral.stiffness="2000 lbf/in"
+  tracktrain run hopper.ssp"""
+)
+@click.argument("file", type=click.Path(path_type=Path), metavar="FILE.ssp")
+@click.option(
+    "--standard",
+    type=Name("version of SSP", ("1.0", "2.0")),
+    default="1.0",
+    show_default=True,
+    help="Version of the standard SSP; more tools read 1.0.",
+)
+@system_options
+def export(file: Path, standard: str, **shape: Any) -> None:
+    """Write the hopper car as an SSP archive, which other co-simulation tools can run.
+
+    It holds the FMUs, the values of their parameters, the connections and the experiment.
+    """
+    with clear_errors():
+        from orchestrator.ssp import write_ssp
+
+        if file.suffix != ".ssp":
+            raise TracktrainError(f"'{file}' is no name for an archive; it must end in .ssp")
+        system = chosen_car(**shape)
+        path = write_ssp(system, file, name=file.stem, version=standard)
+        for note in system.notes:
+            click.echo(f"note: {note}")
+        click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
 
 
 def _write(result: Run, folder: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
+from pathlib import Path
 
 import click
 
@@ -78,7 +79,10 @@ class Name(click.ParamType):
 
 
 class Assignment(click.ParamType):
-    """`instance.name=value`, split into the three; without a name where `named` is False."""
+    """`instance.name=value`, split into the three; without a name where the example has none.
+
+    Where the command is given a file, only the file knows which instances there are.
+    """
 
     name = "assignment"
 
@@ -93,7 +97,9 @@ class Assignment(click.ParamType):
         named = "." in self.example.partition("=")[0]
         if not equals or not right.strip() or (named and not name) or (dot and not named):
             self.fail(f"'{value}' cannot be read; write it as {self.example}", param, ctx)
-        if instance not in self.instances:
+        run = ctx is not None and ctx.command.name == "run"
+        from_file = run and ctx is not None and isinstance(ctx.params.get("file"), Path)
+        if instance not in self.instances and not from_file:
             self.fail(
                 f"there is no instance '{instance}'; {choices(instance, self.instances)}",
                 param,

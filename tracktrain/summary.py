@@ -31,6 +31,9 @@ ROWS: Mapping[str, Mapping[str, tuple[str, Scale]]] = {
 }
 """Groups of what is shown: the variable that it is read from, and its units."""
 
+MOST = 12
+"""Rows of a system that has nothing of `ROWS`."""
+
 
 def summary(run: Run) -> RenderableType:
     """Statistics of the variables of `ROWS` that the run has, then how well the run went."""
@@ -50,12 +53,27 @@ def _responses(dataset: xr.Dataset) -> Table:
     )
     for column in table.columns[2:]:
         column.justify, column.no_wrap = "right", True
-    for group, rows in ROWS.items():
+    for group, rows in (_known(dataset) or _first(dataset)).items():
         table.add_row(group, style="bold")
         for label, (variable, scale) in rows.items():
-            if variable in dataset:
-                table.add_row(f" {label}", scale.units, *_statistics(dataset[variable], scale))
+            table.add_row(f" {label}", scale.units, *_statistics(dataset[variable], scale))
     return table
+
+
+def _known(dataset: xr.Dataset) -> Mapping[str, Mapping[str, tuple[str, Scale]]]:
+    """What `ROWS` names and the dataset has."""
+    present = {
+        group: {label: row for label, row in rows.items() if row[0] in dataset}
+        for group, rows in ROWS.items()
+    }
+    return {group: rows for group, rows in present.items() if rows}
+
+
+def _first(dataset: xr.Dataset) -> Mapping[str, Mapping[str, tuple[str, Scale]]]:
+    """Rows for a system that is no hopper car: its first variables, in their own units."""
+    names = [str(name) for name in dataset.data_vars][:MOST]
+    group = "outputs" if len(names) == len(dataset.data_vars) else f"first {MOST} outputs"
+    return {group: {name: (name, Scale(str(dataset[name].attrs["units"]), 1.0)) for name in names}}
 
 
 def _statistics(values: xr.DataArray, scale: Scale) -> tuple[str, str, str]:

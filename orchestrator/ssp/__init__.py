@@ -3,5 +3,7 @@
 from __future__ import annotations
 
 from .mapping import MapEntry, read_mapping
+from .reader import read_ssp
+from .writer import write_ssp
 
-__all__ = ["MapEntry", "read_mapping"]
+__all__ = ["MapEntry", "read_mapping", "read_ssp", "write_ssp"]

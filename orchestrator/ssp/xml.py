@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NoReturn
 from xml.etree import ElementTree
-from xml.parsers import expat
 
+from ..archive import parse_xml
 from ..errors import SspError
 
 NAMESPACES = {
@@ -19,9 +19,6 @@ NAMESPACES = {
     "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
 }
 """Those of SSP 1.0, which SSP 2.0 kept, and the annotations of the Open Simulation Platform."""
-
-LARGEST = 64 * 2**20
-"""Size of a file above which it is no description [bytes]."""
 
 
 @dataclass(frozen=True)
@@ -82,28 +79,16 @@ class Node:
 
 
 def parse(data: bytes, file: str, root: str) -> Node:
-    """The document's root, which is to be called `root`; raises SspError.
+    """The document's root, which is to be called `root`; raises SspError or ArchiveError."""
+    node = Node(parse_xml(data, f"there is a file '{file}'"), file)
+    check(node, root)
+    return node
 
-    Documents with a document type, which SSP has no use for, are refused: entities that stand for
-    files or for ever more entities are declared there.
-    """
-    if len(data) > LARGEST:
-        raise SspError(f"'{file}' is no description of a system: it has {len(data) / 1e6:.0f} MB")
-    checker = expat.ParserCreate()
 
-    def refuse(*_: object) -> None:
-        raise SspError(f"'{file}' has a document type declaration (<!DOCTYPE>); SSP has none")
-
-    checker.StartDoctypeDeclHandler = refuse
-    try:
-        checker.Parse(data, True)
-        element = ElementTree.fromstring(data)
-    except (expat.ExpatError, ElementTree.ParseError, LookupError, ValueError) as error:
-        raise SspError(f"'{file}' is not well-formed XML: {error}") from None
-    node = Node(element, file)
+def check(node: Node, root: str) -> None:
+    """Raise SspError unless the element is called `root` and is of a version that is known."""
     if node.tag != root:
         node.fail(f"it begins with <{node.tag}>, not with <{root}>")
     version = node.get("version")
     if version.partition(".")[0] not in ("1", "2"):
-        node.fail(f"it is of version '{version}' of SSP; 1.0 and 2.0 can be read")
-    return node
+        node.fail(f"<{root}> is of version '{version}' of SSP; 1.0 and 2.0 can be read")

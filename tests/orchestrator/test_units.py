@@ -40,13 +40,14 @@ def test_units_of_different_things_do_not_convert(source, target):
     assert conversion(source, target) is None
 
 
-def test_unit_that_pint_does_not_know_is_taken_from_the_fmu():
+def test_unit_that_the_fmu_defines_means_what_it_says():
     own = {
         "wagonload": BaseUnit({"kg": 1}, factor=80e3),
         "tilt_mark": BaseUnit({"rad": 1}, 0.01, 0.5),
     }
     assert conversion("wagonload", "t", own) == pytest.approx((80.0, 0.0))
     assert conversion("tilt_mark", "1", own) == pytest.approx((0.01, 0.5))
+    assert conversion("ton", "kg", {"ton": BaseUnit({"kg": 1}, 1000.0)}) == (1000.0, 0.0)
     with pytest.raises(UnitError, match="'wagonload' is not a known unit"):
         scale_of("wagonload")
 

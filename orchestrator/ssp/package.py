@@ -1,0 +1,131 @@
+"""Where the files of a system are: archives unpacked, variants chosen, references followed."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+from ..archive import open_archive
+from ..description import open_fmu
+from ..errors import SspError, choices
+from ..units import BaseUnit
+from .xml import Node, parse
+
+DEFAULT = "SystemStructure.ssd"
+"""The variant of an archive that is meant where none is named."""
+
+_UNPACKED: list[tempfile.TemporaryDirectory[str]] = []
+"""Folders with the contents of archives; they go when the program ends."""
+
+
+@dataclass(frozen=True)
+class Document:
+    """A system structure description (.ssd) in the folder that its references may not leave."""
+
+    path: Path
+    folder: Path
+    label: str
+    node: Node
+
+    @cached_property
+    def units(self) -> Mapping[str, BaseUnit]:
+        return unit_definitions(self.node)
+
+    def place(self, uri: str, wanted: str) -> tuple[Path, str]:
+        """File and fragment of a reference; raises SspError unless it is a file of this package."""
+        parts = urlsplit(uri)
+        if parts.scheme or parts.netloc:
+            self.node.fail(
+                f"the source '{uri}' of {wanted} is an absolute URI; files are found relative to "
+                "the .ssd only"
+            )
+        path = (self.path.parent / unquote(parts.path)).resolve()
+        if not path.is_relative_to(self.folder):
+            self.node.fail(f"the source '{uri}' of {wanted} lies outside of the package")
+        if not path.is_file():
+            inside = (p for p in self.folder.rglob("*" + path.suffix) if p.is_file())
+            names = sorted(p.relative_to(self.path.parent).as_posix() for p in inside)
+            self.node.fail(
+                f"the source '{uri}' of {wanted} is not there; {choices(unquote(uri), names)}"
+            )
+        return path, unquote(parts.fragment)
+
+    def content(self, binding: Node, wanted: str, component: Path | None) -> tuple[bytes, str]:
+        """What the `source` of a binding or a map refers to, and its name for messages."""
+        uri = binding.get("source")
+        if binding.get("sourceBase", "SSD") == "SSD":
+            path, _ = self.place(uri, wanted)
+            return path.read_bytes(), f"{self.label}: {uri}"
+        if component is None:
+            self.node.fail(f"{wanted} has a source inside of a component, but belongs to none")
+        if unquote(uri) not in open_fmu(component).members:
+            self.node.fail(f"the source '{uri}' of {wanted} is not in '{component.name}'")
+        with open_archive(component) as archive:
+            return archive.read(unquote(uri)), f"{self.label}: {component.name}: {uri}"
+
+
+def unit_definitions(root: Node) -> Mapping[str, BaseUnit]:
+    """The units that a file defines, by name."""
+    names = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+    return {
+        unit.need("name"): BaseUnit(
+            {name: int(base.number(name, 0.0)) for name in names},
+            base.number("factor", 1.0),
+            base.number("offset", 0.0),
+        )
+        for unit in root.all("Units", "Unit")
+        if (base := unit.find("BaseUnit"))
+    }
+
+
+def open_document(path: Path, variant: str | None = None) -> tuple[Document, list[str]]:
+    """The system of an .ssp or .ssd file, and the other variants that the archive holds.
+
+    variant: file name, or the name that the description gives itself. Raises SspError.
+    """
+    if not path.exists():
+        raise SspError(f"the system '{path}' cannot be read: no such file or directory")
+    if path.suffix.lower() == ".ssd":
+        if variant is not None:
+            raise SspError(f"'{path}' is one description; a variant is chosen of an .ssp archive")
+        return _document(path.resolve(), path.parent.resolve(), str(path)), []
+    folder = _unpack(path)
+    found = {
+        file.name: _document(file, folder, f"{path}: {file.name}")
+        for file in sorted(folder.glob("*.ssd"))
+    }
+    if not found:
+        raise SspError(f"'{path}' is no SSP archive: it has no {DEFAULT}")
+    chosen = _variant(path, found, variant)
+    others = [name for name, document in found.items() if document is not chosen]
+    return chosen, others
+
+
+def _variant(path: Path, found: Mapping[str, Document], wanted: str | None) -> Document:
+    if wanted is None:
+        if DEFAULT not in found and len(found) > 1:
+            raise SspError(f"'{path}' has no {DEFAULT}; {choices(DEFAULT, found)}")
+        return found.get(DEFAULT) or next(iter(found.values()))
+    for file, document in found.items():
+        if wanted in (file, file.removesuffix(".ssd"), document.node.get("name")):
+            return document
+    raise SspError(f"'{path}' has no variant '{wanted}'; {choices(wanted, found)}")
+
+
+def _document(path: Path, folder: Path, label: str) -> Document:
+    return Document(path, folder, label, parse(path.read_bytes(), label, _ROOT))
+
+
+_ROOT = "SystemStructureDescription"
+
+
+def _unpack(path: Path) -> Path:
+    with open_archive(path) as archive:
+        folder = tempfile.TemporaryDirectory(prefix="tracktrain-ssp-", ignore_cleanup_errors=True)
+        _UNPACKED.append(folder)
+        archive.extract(archive.members, Path(folder.name))
+    return Path(folder.name).resolve()

@@ -1,0 +1,116 @@
+"""From a file of the SSP standard to a system."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from ..system import Component, Experiment, PowerBond, System
+from .bindings import Parameters
+from .connections import GIVES, Network, Port, connections, read_network
+from .package import Document, open_document
+from .structure import Element, read_structure
+
+OSP, OWN = "com.opensimulationplatform", "tracktrain"
+"""Types of annotations that are understood: the step is Open Simulation Platform's, bonds ours."""
+
+
+def read_ssp(path: Path | str, variant: str | None = None) -> System:
+    """The system of an archive (.ssp), or of a description (.ssd) beside its FMUs.
+
+    Nested systems are flattened: the component `truck` of a system `car` becomes the instance
+    `car:truck`. variant: file name or name of the description, where an archive holds several.
+    What an archive holds stays unpacked until the program ends. Raises OrchestratorError for what
+    cannot be represented; what has no effect is said in the system's notes.
+    """
+    document, others = open_document(Path(path), variant)
+    root = read_structure(document)
+    names, notes = _instances(root)
+    if others and variant is None:
+        notes.append(f"{document.label} was read; '{path}' also holds {', '.join(others)}")
+    network = read_network(root)
+    parameters = Parameters(network, names)
+    parameters.apply(root)
+    notes += [*parameters.notes, *_exposed(root, network, names), *_ignored(root)]
+    return System(
+        components={
+            name: Component(element.fmu, parameters.values.get(element, {}))
+            for element, name in names.items()
+            if element.fmu
+        },
+        connections=tuple(connections(root, network, names)),
+        bonds=_bonds(root),
+        experiment=_experiment(document),
+        notes=tuple(notes),
+    )
+
+
+def _instances(root: Element) -> tuple[dict[Element, str], list[str]]:
+    """A name for each component, unique and without dots; notes of those that are not their own."""
+    names: dict[Element, str] = {}
+    notes = []
+    for element in root.components():
+        wanted = ":".join(element.path).replace(".", ":")
+        taken, name, number = set(names.values()), wanted, 2
+        while name in taken:
+            name, number = f"{wanted}_{number}", number + 1
+        if name != ":".join(element.path):
+            notes.append(f"the {element.label} is called {name}")
+        names[element] = name
+    return names, notes
+
+
+def _exposed(root: Element, network: Network, names: Mapping[Element, str]) -> Iterator[str]:
+    """A note of where the outputs of the whole system are found."""
+    found = []
+    for name, connector in root.connectors.items():
+        hops = network.chain(Port(root, name)) if connector.kind in GIVES else []
+        if hops and hops[0].source.owner.fmu:
+            found.append(f"{name} is {names[hops[0].source.owner]}.{hops[0].source.name}")
+    if found:
+        yield f"outputs of the system '{root.name}', before transformations: {', '.join(found)}"
+
+
+def _ignored(root: Element) -> Iterator[str]:
+    """Notes of what the descriptions hold that is for other tools."""
+    documents = {element.document.path: element.document for element in _all(root)}
+    for document in documents.values():
+        found = (
+            element.get("type", "")
+            for element in document.node.element.iter()
+            if element.tag.endswith("}Annotation")
+        )
+        if types := sorted({*found} - {OSP, OWN}):
+            yield f"{document.label}: annotations that are not used: {', '.join(types)}"
+        if document is not root.document and document.node.find("DefaultExperiment"):
+            yield f"{document.label}: its default experiment is not used, being inside of another"
+
+
+def _all(element: Element) -> Iterator[Element]:
+    yield element
+    for inner in element.elements.values():
+        yield from _all(inner)
+
+
+def _experiment(document: Document) -> Experiment:
+    node = document.node.find("DefaultExperiment")
+    if node is None:
+        return Experiment()
+    start, stop = (node.number(n) if node.has(n) else None for n in ("startTime", "stopTime"))
+    step = None
+    for annotation in node.all("Annotations", "Annotation"):
+        algorithm = annotation.find("Algorithm", "FixedStepAlgorithm")
+        if annotation.get("type") == OSP and algorithm:
+            step = algorithm.number("baseStepSize")
+    return Experiment(start, stop, step)
+
+
+def _bonds(root: Element) -> tuple[PowerBond, ...] | None:
+    for annotation in root.annotations:
+        found = annotation.find("PowerBonds")
+        if annotation.get("type") == OWN and found:
+            return tuple(
+                PowerBond(bond.need("force"), bond.need("velocity"))
+                for bond in found.all("PowerBond")
+            )
+    return None

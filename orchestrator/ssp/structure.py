@@ -1,0 +1,211 @@
+"""The tree of systems and components that a description means, nested files included."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ..description import Description, Variable, describe
+from ..errors import choices
+from .package import Document, open_document
+from .xml import Node
+
+FMU = "application/x-fmu-sharedlibrary"
+SSD = "application/x-ssp-definition"
+SSP = "application/x-ssp-package"
+
+DEEPEST = 32
+"""Systems nested deeper than this contain themselves."""
+
+CAUSALITIES = {"input", "output", "parameter", "calculatedParameter", "structuralParameter"}
+TYPES = {
+    **dict.fromkeys(("Real", "Float64", "Float32"), "Real"),
+    **dict.fromkeys(("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64"), "Integer"),
+    **dict.fromkeys(("Integer", "UInt64"), "Integer"),
+    **{name: name for name in ("Boolean", "String", "Enumeration", "Binary", "Clock")},
+}
+"""Kind of value by the name of the type in SSP 1.0 and 2.0 and in FMI 2.0 and 3.0."""
+
+
+@dataclass(frozen=True)
+class Connector:
+    """A connector as it is declared; the unit is None where it is left to what is behind it."""
+
+    kind: str
+    type: str | None = None
+    unit: str | None = None
+
+
+@dataclass(frozen=True)
+class Binding:
+    """A ParameterBinding and the description that it stands in."""
+
+    node: Node
+    document: Document
+
+
+@dataclass(frozen=True, eq=False)
+class Element:
+    """A component (with an FMU) or a system (with elements and connections)."""
+
+    name: str
+    path: tuple[str, ...]
+    document: Document
+    connectors: Mapping[str, Connector]
+    bindings: tuple[Binding, ...]
+    fmu: Path | None = None
+    elements: Mapping[str, Element] = field(default_factory=dict)
+    connections: tuple[Node, ...] = ()
+    annotations: tuple[Node, ...] = ()
+
+    @property
+    def label(self) -> str:
+        """As messages name it."""
+        return f"component '{'.'.join(self.path)}'" if self.fmu else f"system '{self.name}'"
+
+    @property
+    def description(self) -> Description:
+        """That of its FMU."""
+        assert self.fmu is not None
+        return describe(self.fmu)
+
+    def components(self) -> Iterator[Element]:
+        """All components below, or itself."""
+        if self.fmu:
+            yield self
+        for element in self.elements.values():
+            yield from element.components()
+
+
+def is_variable(description: Description, name: str) -> bool:
+    """Whether an FMU has a variable of that name."""
+    return name in description.variables
+
+
+def variable_of(description: Description, name: str) -> Variable:
+    """An FMU's variable of that name."""
+    return description.variables[name]
+
+
+def read_structure(document: Document) -> Element:
+    """The root system with all below it; raises SspError for what cannot be represented."""
+    system = document.node.find("System")
+    if system is None:
+        document.node.fail("it has no <System>")
+    return _system(system, document, ())
+
+
+def _system(
+    node: Node,
+    document: Document,
+    path: tuple[str, ...],
+    name: str | None = None,
+    more: tuple[Binding, ...] = (),
+) -> Element:
+    """A System element; `more` are bindings of a component that stands for it."""
+    if len(path) > DEEPEST:
+        document.node.fail(f"the system '{node.get('name')}' is nested in itself, without end")
+    if (dictionary := node.find("SignalDictionaries")) or node.find(
+        "Elements", "SignalDictionaryReference"
+    ):
+        reference = dictionary.find("SignalDictionary") if dictionary else None
+        label = f" '{reference.get('name')}'" if reference else ""
+        document.node.fail(
+            f"the system '{node.get('name')}' uses a signal dictionary{label}, which is not "
+            "supported; connect the elements directly"
+        )
+    elements: dict[str, Element] = {}
+    for group in node.all("Elements"):
+        for child in group:
+            inner = child.need("name")
+            if inner in elements:
+                document.node.fail(f"the system '{node.get('name')}' has two elements '{inner}'")
+            below = (*path, inner)
+            made = _component if child.tag == "Component" else _system
+            elements[inner] = made(child, document, below)
+    return Element(
+        name=name or node.need("name"),
+        path=path,
+        document=document,
+        connectors=_connectors(node),
+        bindings=_bindings(node, document) + more,
+        elements=elements,
+        connections=tuple(node.all("Connections", "Connection")),
+        annotations=tuple(node.all("Annotations", "Annotation")),
+    )
+
+
+def _component(node: Node, document: Document, path: tuple[str, ...]) -> Element:
+    name, label = path[-1], f"the component '{'.'.join(path)}'"
+    if not node.has("source"):
+        document.node.fail(f"{label} has no source: a design without an implementation")
+    kind, source = node.get("type", FMU), node.get("source")
+    if source.startswith("#"):
+        return _reference(node, document, path)
+    place, fragment = document.place(source, label)
+    if kind in (SSD, SSP) or (not node.has("type") and place.suffix.lower() in (".ssd", ".ssp")):
+        nested, _ = open_document(place, fragment or None)
+        system = nested.node.find("System")
+        if system is None:
+            nested.node.fail("it has no <System>")
+        return _system(system, nested, path, name, _bindings(node, document))
+    if kind != FMU:
+        document.node.fail(f"{label} is of type '{kind}'; {choices(kind, (FMU, SSD, SSP))}")
+    implementation = node.get("implementation", "any")
+    if implementation not in ("any", "CoSimulation"):
+        document.node.fail(f"{label} is to run as {implementation}; only CoSimulation can be run")
+    element = Element(
+        name, path, document, _connectors(node), _bindings(node, document), place,
+        annotations=tuple(node.all("Annotations", "Annotation")),
+    )  # fmt: skip
+    for connector in element.connectors:
+        _check_connector(element, connector)
+    return element
+
+
+def _reference(node: Node, document: Document, path: tuple[str, ...]) -> Element:
+    """A component that stands for a system of the same file."""
+    wanted = node.get("source")[1:]
+    systems = [
+        Node(e, document.label) for e in document.node.element.iter() if e.tag.endswith("}System")
+    ]
+    named = {system.get("id"): system for system in systems if system.has("id")}
+    if wanted not in named:
+        document.node.fail(
+            f"the component '{'.'.join(path)}' refers to the system '#{wanted}'; "
+            f"{choices(wanted, named)}"
+        )
+    return _system(named[wanted], document, path, path[-1], _bindings(node, document))
+
+
+def _bindings(node: Node, document: Document) -> tuple[Binding, ...]:
+    return tuple(Binding(b, document) for b in node.all("ParameterBindings", "ParameterBinding"))
+
+
+def _connectors(node: Node) -> Mapping[str, Connector]:
+    connectors = {}
+    for connector in node.all("Connectors", "Connector"):
+        kind = next((child for child in connector if child.tag in TYPES), None)
+        connectors[connector.need("name")] = Connector(
+            connector.need("kind"),
+            kind.tag if kind else None,
+            kind.element.get("unit") if kind else None,
+        )
+    return connectors
+
+
+def _check_connector(element: Element, name: str) -> None:
+    """Raise SspError unless a component's connector is what its FMU says."""
+    declared, description = element.connectors[name], element.description
+    fail, label = element.document.node.fail, f"the connector '{name}' of the {element.label}"
+    if not is_variable(description, name):
+        fail(
+            f"{label} is no variable of '{description.label}'; "
+            f"{choices(name, description.variables)}"
+        )
+    variable = variable_of(description, name)
+    if declared.kind in CAUSALITIES and declared.kind != variable.causality:
+        fail(f"{label} is declared {declared.kind}, but is {variable.causality} of its FMU")
+    if declared.type and TYPES[declared.type] != TYPES[variable.type]:
+        fail(f"{label} is declared {declared.type}, but is {variable.type} in its FMU")

@@ -1,0 +1,187 @@
+"""What `run` and `export` share: the options that shape a car, and the system that is meant."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+from click.core import ParameterSource
+
+from .errors import TracktrainError, choices
+from .hopper import BLOCK_OF, CARS, TRACKS
+from .options import Assignment, Name, Quantity
+
+if TYPE_CHECKING:
+    from orchestrator import System
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+Assigned = tuple[str, str, str]
+
+DURATION, STEP = 8.0, 1e-3
+"""Of a run of the hopper car [s]."""
+
+CAR_ONLY = ("car", "speed", "track", "seed", "initials")
+"""Options that make no sense for a system from a file."""
+
+_OPTIONS = (
+    click.option(
+        "--car",
+        type=Name("car", CARS),
+        default="loaded",
+        show_default=True,
+        help="Parameter set of the car.",
+    ),
+    click.option(
+        "--speed",
+        type=Quantity("speed", "m/s", ("ft/s", "mph", "m/s", "km/h"), "60 ft/s"),
+        default="60 ft/s",
+        show_default=True,
+        metavar="SPEED",
+        help="Speed of the train, with its unit.",
+    ),
+    click.option(
+        "--track",
+        type=Name("track", TRACKS),
+        default="report",
+        show_default=True,
+        help="Irregularities of the track.",
+    ),
+    click.option(
+        "--seed", type=int, default=1, show_default=True, help="Which realisation of the track."
+    ),
+    click.option(
+        "--duration",
+        type=Quantity("duration", "s", ("s", "min", "ms"), "8s"),
+        show_default="8s",
+        metavar="TIME",
+        help="Simulated time.",
+    ),
+    click.option(
+        "--step",
+        type=Quantity("step", "s", ("ms", "s"), "1ms"),
+        show_default="1ms",
+        metavar="TIME",
+        help="Macro step, at which the FMUs exchange values.",
+    ),
+    click.option(
+        "--set",
+        "settings",
+        type=Assignment(tuple(BLOCK_OF), 'instance.parameter="value unit"'),
+        multiple=True,
+        metavar='INSTANCE.PARAMETER="VALUE UNIT"',
+        help="Change a parameter. Repeatable.",
+    ),
+    click.option(
+        "--initial",
+        "initials",
+        type=Assignment(tuple(BLOCK_OF), 'instance.coordinate="value unit"'),
+        multiple=True,
+        metavar='INSTANCE.COORDINATE="VALUE UNIT"',
+        help="Displace a truck or the carbody at the start. Repeatable.",
+    ),
+    click.option(
+        "--swap",
+        "swaps",
+        type=Assignment(tuple(BLOCK_OF), "instance=path.fmu"),
+        multiple=True,
+        metavar="INSTANCE=FMU",
+        help="Put another FMU with the same ports in an instance's place. Repeatable.",
+    ),
+)
+
+
+def system_options(command: Command) -> Command:
+    """Add the options that shape a system and its run."""
+    for option in reversed(_OPTIONS):
+        command = option(command)
+    return command
+
+
+def chosen_car(
+    car: str,
+    speed: float,
+    track: str,
+    seed: int,
+    duration: float | None,
+    step: float | None,
+    settings: Sequence[Assigned],
+    initials: Sequence[Assigned],
+    swaps: Sequence[Assigned],
+) -> System:
+    """The hopper car that the options mean, with its experiment."""
+    from orchestrator import Experiment
+
+    from . import changes, hopper
+
+    system = hopper.hopper_car(car, speed, track, seed)
+    notes = []
+    for instance, _, path in swaps:
+        system, lacking = changes.swapped(system, instance, Path(path))
+        if lacking:
+            notes.append(f"{path} as {instance} lacks the parameters {', '.join(lacking)}")
+    for instance, coordinate, value in initials:
+        system = changes.displaced(system, instance, coordinate, value)
+    for instance, name, value in settings:
+        system = changes.assigned(system, instance, name, value)
+    system = replace(system, notes=tuple(notes), experiment=Experiment(0.0, DURATION, STEP))
+    return _timed(system, duration, step)
+
+
+def chosen_file(
+    path: Path,
+    variant: str | None,
+    duration: float | None,
+    step: float | None,
+    settings: Sequence[Assigned],
+    swaps: Sequence[Assigned],
+) -> System:
+    """The system of an .ssp or .ssd file, changed as the options say."""
+    from orchestrator.ssp import read_ssp
+
+    from . import changes
+
+    system = read_ssp(path, variant)
+    for instance, name, value in settings:
+        system = changes.assigned(_having(system, instance), instance, name, value)
+    for instance, _, fmu in swaps:
+        system = _having(system, instance).with_fmu(instance, Path(fmu))
+    if duration is None and system.experiment.stop is None:
+        raise TracktrainError(f"'{path}' does not say how long to run; give --duration")
+    return _timed(system, duration, step)
+
+
+def refuse_options(ctx: click.Context, names: Iterable[str], reason: str) -> None:
+    """Raise TracktrainError if one of the options, by name of the argument, was given."""
+    given = [
+        param.opts[0]
+        for param in ctx.command.params
+        if param.name in names
+        and ctx.get_parameter_source(param.name) is ParameterSource.COMMANDLINE
+    ]
+    if given:
+        raise TracktrainError(f"{reason}; leave out {' and '.join(given)}")
+
+
+def _timed(system: System, duration: float | None, step: float | None) -> System:
+    """The system with the duration and the step [s] that were given in its experiment."""
+    from orchestrator import Experiment
+
+    start = system.experiment.start or 0.0
+    stop = start + duration if duration is not None else system.experiment.stop
+    size = next(s for s in (step, system.experiment.step, STEP) if s is not None)
+    if stop is not None and size > stop - start:
+        raise TracktrainError(
+            f"a step of {size:g} s is longer than the run of {stop - start:g} s; "
+            "give a shorter --step or a longer --duration"
+        )
+    return replace(system, experiment=Experiment(start, stop, size))
+
+
+def _having(system: System, instance: str) -> System:
+    if instance not in system.components:
+        known = choices(instance, system.components)
+        raise TracktrainError(f"there is no instance '{instance}'; {known}")
+    return system
