@@ -17,6 +17,7 @@ from fmpy import read_model_description, supported_platforms
 from fmpy.validation import validate_fmu
 from fmu_instance import FmuInstance
 from test_fmu_archive import FMI2_FUNCTIONS
+from tools import need
 
 from fmus import BLOCKS
 from fmus.catalogue import NAMES
@@ -27,9 +28,15 @@ lief.logging.disable()
 STANDARD = {f"fmi2{name}" for name in FMI2_FUNCTIONS}
 QUICK = tuple(name for name in TARGETS if not name.startswith("windows"))
 """Cold, these take seconds; zig's first build for Windows takes a minute."""
-WINE = (
-    shutil.which("wine") or shutil.which("wine64") or shutil.which("wine64", path="/usr/lib/wine")
-)
+RUNNERS = {
+    "windows-x86_64": ("wine", ("wine", "wine64", "/usr/lib/wine/wine64"), ()),
+    "linux-aarch64": (
+        "qemu-user-static and libc6-arm64-cross",
+        ("qemu-aarch64-static", "qemu-aarch64"),
+        ("-L", "/usr/aarch64-linux-gnu"),
+    ),
+}
+"""What runs the programs of another platform here: Debian's name, its programs, arguments."""
 
 
 @pytest.fixture(
@@ -206,7 +213,9 @@ def excitation(fmu: Path) -> np.ndarray:
     return np.array([float(v.start) for v in inputs]) + noise[:, : len(inputs)] * sizes
 
 
-def stepped(fmu: Path, name: str, runner: list[str], folder: Path) -> np.ndarray:
+def stepped(
+    fmu: Path, name: str, runner: list[str], folder: Path, environment: dict[str, str]
+) -> np.ndarray:
     """Outputs [SI], (steps, outputs), of one binary in a host program for its platform."""
     description = read_model_description(str(fmu))
     target = TARGETS[name]
@@ -223,21 +232,30 @@ def stepped(fmu: Path, name: str, runner: list[str], folder: Path) -> np.ndarray
         [*runner, f"./{host}", f"./{library}", description.guid, "inputs", f"outputs-{name}"]
         + [str(number) for number in numbers],
         cwd=folder,
-        env={**os.environ, "WINEPREFIX": str(folder / "wine"), "WINEDEBUG": "-all"},
+        env=environment,
         check=True,
         timeout=300,
     )
     return np.fromfile(folder / f"outputs-{name}").reshape(STEPS, len(outputs))
 
 
+@pytest.fixture(scope="module")
+def foreign_environment(tmp_path_factory) -> dict[str, str]:
+    """Environment of the runners: no display, and a home for wine that is made once."""
+    own = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
+    return {**own, "WINEPREFIX": str(tmp_path_factory.mktemp("wine")), "WINEDEBUG": "-all"}
+
+
 @pytest.mark.slow
-@pytest.mark.skipif(WINE is None, reason="needs wine")
 @pytest.mark.skipif(host_target().name != "linux-x86_64", reason="needs Linux on x86-64")
 @pytest.mark.parametrize("block", BLOCKS)
-def test_windows_and_linux_libraries_agree_bit_for_bit(block, tmp_path):
-    both = ("linux-x86_64", "windows-x86_64")
-    fmu = build(tmp_path, [block], both)[block]
-    linux = stepped(fmu, "linux-x86_64", [], tmp_path)
-    windows = stepped(fmu, "windows-x86_64", [str(WINE)], tmp_path)
-    assert np.all(np.isfinite(linux)) and np.ptp(linux, axis=0).max() > 0.0
-    np.testing.assert_array_equal(windows.view(np.int64), linux.view(np.int64))
+@pytest.mark.parametrize("target", RUNNERS)
+def test_libraries_of_two_platforms_agree_bit_for_bit(target, block, tmp_path, foreign_environment):
+    package, programs, arguments = RUNNERS[target]
+    runner = next(filter(None, map(shutil.which, programs)), None)
+    need(runner, package)
+    fmu = build(tmp_path, [block], ("linux-x86_64", target))[block]
+    here = stepped(fmu, "linux-x86_64", [], tmp_path, foreign_environment)
+    there = stepped(fmu, target, [str(runner), *arguments], tmp_path, foreign_environment)
+    assert np.all(np.isfinite(here)) and np.ptp(here, axis=0).max() > 0.0
+    np.testing.assert_array_equal(there.view(np.int64), here.view(np.int64))

@@ -1,0 +1,166 @@
+"""The hopper car's FMUs in engines that know nothing of this project: libcosim and ecos."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tolerances
+from engines import Link, run, unavailable
+from fmu_instance import FmuInstance
+from test_fmpy import STEP, STEPS, Ramps
+from tools import need
+
+from fmus.catalogue import fmu_path
+from orchestrator import Component, System, simulate
+from tracktrain.hopper import hopper_car
+
+pytestmark = pytest.mark.xdist_group("engines")
+
+FINER = (2.5e-4, 1.25e-4)
+MILLISECONDS = 1000
+WHOLE_STEP = 2.0**-9
+"""A whole number of nanoseconds, in which libcosim counts, and exact as a double."""
+
+WATCHED = (
+    "wheelset_11.y_rel",
+    "wheelset_22.force_y",
+    "truck_rear.axle[2].yaw",
+    "truck_front.car.force_y",
+    "carbody.front.y",
+    "carbody.cg.ay",
+    "track.distance",
+)
+
+DYNAMIC = [n for n, name in enumerate(WATCHED) if name != "track.distance"]
+
+
+@pytest.fixture(scope="module", params=["libcosim", "ecos"])
+def engine(request) -> str:
+    lacking = unavailable(request.param)
+    need(lacking is None, str(lacking))
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def system() -> System:
+    """The hopper car with the start values that its FMUs themselves give."""
+    car = hopper_car()
+    own = {name: Component(component.fmu) for name, component in car.components.items()}
+    return System(own, car.connections, car.bonds)
+
+
+@pytest.fixture(scope="module")
+def fmus(system) -> dict[str, Path]:
+    return {name: component.fmu for name, component in system.components.items()}
+
+
+@pytest.fixture(scope="module")
+def links(system) -> list[Link]:
+    return [
+        (*c.source.split(".", 1), *c.target.split(".", 1))  # an instance's name has no dot
+        for c in system.connections
+    ]
+
+
+@pytest.fixture(scope="module")
+def in_engine(engine, fmus, links) -> dict[float, np.ndarray]:
+    return {
+        step: run(engine, fmus, links, WATCHED, step, MILLISECONDS, round(1e-3 / step))
+        for step in FINER
+    }
+
+
+@pytest.fixture(scope="module")
+def in_orchestrator(system: System) -> dict[float, np.ndarray]:
+    values = {}
+    for step in FINER:
+        done = simulate(system, duration=MILLISECONDS * 1e-3, step=step, master="jacobi")
+        assert done.completed, done.message
+        every = round(1e-3 / step)
+        values[step] = np.array([done.dataset[name].values[every::every] for name in WATCHED]).T
+    return values
+
+
+def differences(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Rms difference over rms value of each column."""
+    return np.sqrt(((one - other) ** 2).mean(0) / (other**2).mean(0))
+
+
+def test_the_car_runs_there(in_engine):
+    for values in in_engine.values():
+        assert np.isfinite(values).all()
+        assert (values.std(0) > 0.0).all()
+
+
+def test_the_track_passes_at_the_same_speed(in_engine, in_orchestrator):
+    distance = WATCHED.index("track.distance")
+    for step in FINER:
+        assert in_engine[step][:, distance] == pytest.approx(
+            in_orchestrator[step][:, distance], rel=tolerances.ROUNDING
+        )
+
+
+def test_an_engine_and_the_jacobi_master_differ_by_a_delay_of_one_step(in_engine, in_orchestrator):
+    """They hand on feedthrough outputs of before the new inputs: half the step, half the gap."""
+    coarse, fine = (differences(in_engine[step], in_orchestrator[step]) for step in FINER)
+    assert (fine[DYNAMIC] < 0.06).all()
+    assert coarse[DYNAMIC] / fine[DYNAMIC] == pytest.approx(2.0, rel=tolerances.FIRST_ORDER)
+
+
+def test_an_engine_and_the_jacobi_master_have_the_same_limit(in_engine, in_orchestrator):
+    """Without the part that is proportional to the step."""
+    one, other = (2.0 * runs[FINER[1]] - runs[FINER[0]] for runs in (in_engine, in_orchestrator))
+    assert (differences(one, other)[DYNAMIC] < tolerances.SAME_LIMIT).all()
+
+
+def stepped_by_hand(
+    fmus: dict[str, Path], links: list[Link], step: float, steps: int
+) -> np.ndarray:
+    """Values [step, watched] as ecos documents it: step all, hand on once, then read."""
+    instances = {name: FmuInstance(path, name) for name, path in fmus.items()}
+
+    def hand_on() -> None:
+        values = [instances[source].get(output)[0] for source, output, _, _ in links]
+        for (_, _, target, port), value in zip(links, values, strict=True):
+            instances[target].set({port: value})
+
+    for instance in instances.values():
+        instance.slave.setupExperiment(startTime=0.0)
+        instance.slave.enterInitializationMode()
+    for _ in instances:
+        hand_on()
+    for instance in instances.values():
+        instance.slave.exitInitializationMode()
+    rows = []
+    for k in range(steps):
+        for instance in instances.values():
+            instance.slave.doStep(k * step, step)
+        hand_on()
+        rows.append([instances[i].get(name)[0] for i, name in (w.split(".", 1) for w in WATCHED)])
+    for instance in instances.values():
+        instance.close()
+    return np.array(rows)
+
+
+def test_ecos_gives_to_the_last_bit_what_its_algorithm_gives_by_hand(fmus, links):
+    lacking = unavailable("ecos")
+    need(lacking is None, str(lacking))
+    theirs = run("ecos", fmus, links, WATCHED, STEP, STEPS)
+    assert np.array_equal(theirs, stepped_by_hand(fmus, links, STEP, STEPS))
+
+
+def test_a_block_alone_gives_what_our_orchestrator_gives_to_the_last_bit(engine, block_name):
+    path = fmu_path(block_name)
+    outputs = [f"alone.{name}" for name in Ramps(block_name).outputs]
+    theirs = run(engine, {"alone": path}, [], outputs, WHOLE_STEP, STEPS)
+    ours = simulate(
+        System({"alone": Component(path)}, ()),
+        duration=STEPS * WHOLE_STEP,
+        step=WHOLE_STEP,
+        master="jacobi",
+    )
+    assert ours.completed, ours.message
+    expected = np.array([ours.dataset[name].values[1:] for name in outputs]).T
+    assert np.array_equal(theirs, expected)
