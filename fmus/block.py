@@ -26,7 +26,12 @@ STEADY = 1e30
 
 @dataclass(frozen=True)
 class State(Variable):
-    """A continuous or memory state of the block."""
+    """A state of the block; `memory` changes at events and after completed steps only.
+
+    A continuous state is an output of the same name as well. Continuous states come first.
+    """
+
+    memory: bool = False
 
 
 @dataclass(frozen=True)
@@ -71,6 +76,7 @@ class Block:
     inputs: Sequence[Input]
     outputs: Sequence[Output]
     states: Sequence[State] = ()
+    modes: Sequence[Variable] = ()
     tangents: Sequence[Tangent] = ()
     terminals: Sequence[Terminal] = ()
     table: Table | None = None
@@ -136,12 +142,54 @@ class Block:
         return [self.functions.outputs]
 
     def derivative(self, x: Signals, u: Signals, p: Signals, d: Signals) -> Signals:
-        """Time derivatives of the states, friction stuck or slipping as the state says."""
+        """Time derivatives of the continuous states, the memory as it is."""
         return {}
+
+    def event_indicators(
+        self, x: Signals, u: Signals, p: Signals, d: Signals, mode: Signals
+    ) -> Signals:
+        """Expressions by a name for each, that change sign where an integrator has to stop.
+
+        `modes` are whole numbers, 0 at the start, that choose what the indicators watch.
+        """
+        return {}
+
+    def memory_after(
+        self, x: Signals, u: Signals, p: Signals, d: Signals, mode: Signals
+    ) -> tuple[Signals, Signals]:
+        """Memory states and modes at an event or after a completed step, from those before it."""
+        return {}, {}
 
     def stations(self, x: Signals, u: Signals, p: Signals, d: Signals) -> ca.SX:
         """Coordinates at which the table is looked up, shape (stations,)."""
         return ca.SX(0, 1)
+
+    @property
+    def continuous(self) -> Sequence[State]:
+        """The states that an integrator of Model Exchange integrates."""
+        return [state for state in self.states if not state.memory]
+
+    @property
+    def memory(self) -> Sequence[State]:
+        return [state for state in self.states if state.memory]
+
+    @property
+    def derivatives(self) -> Sequence[Output]:
+        """The time derivative of each continuous state: an output, or a variable of its own."""
+        rates = {output.derivative_of: output for output in self.outputs}
+        return [rates.get(state.name) or _derivative_of(state) for state in self.continuous]
+
+    @property
+    def locals(self) -> Sequence[Variable]:
+        """Variables that are no ports: derivatives that are no outputs, then the memory."""
+        own = [v for v in self.derivatives if v not in self.outputs]
+        return [*own, *self.memory]
+
+    @property
+    def references(self) -> dict[str, int]:
+        """FMI's value reference of each variable by name, in their order; 0 is the time."""
+        groups = (self.parameters, self.inputs, self.outputs, self.locals)
+        return {v.name: n for n, v in enumerate((v for g in groups for v in g), start=1)}
 
     @cached_property
     def functions(self) -> Functions:
@@ -162,8 +210,14 @@ class Functions:
     step(x, u, rate, p, d, h) -> x, u at the end of the micro step
     stations(x, u, p, d) -> s
     outputs(x, u, p, d, lookup) -> y
-    outputs_forward(x, u, p, d, lookup, u_seed) -> y_seed
-    derivative(x, u, p, d) -> dx/dt
+    derivative(x, u, p, d) -> dx/dt of the continuous states
+    event_indicators(x, u, p, d, mode) -> z
+    memory_after(x, u, p, d, mode) -> memory states, mode
+    stations_forward(x, u, p, d, x_seed, u_seed) -> s_seed
+    forward(x, u, p, d, lookup, x_seed, u_seed, fraction_seed) -> y_seed, seed of dx/dt
+
+    A seed is a direction, and what comes of it the derivative along it: x_seed of the continuous
+    states, fraction_seed of the first row of the lookup.
     """
 
     def __init__(self, block: Block) -> None:
@@ -194,33 +248,70 @@ class Functions:
         self.stations = ca.Function(
             "stations", [xv, uv, pv, dv], [ca.densify(block.stations(x, u, p, d))]
         )
-        self.outputs, self.outputs_forward = _outputs(block, x, u, p, d, lookup)
         self.derivative = ca.Function(
             "derivative",
             [xv, uv, pv, dv],
-            [_ordered(block.states, block.derivative(x, u, p, d))],
+            [_ordered(block.continuous, block.derivative(x, u, p, d))],
+        )
+        mode = _symbols(block.modes)
+        at_event = [xv, uv, pv, dv, _vector(mode)]
+        indicators = block.event_indicators(x, u, p, d, mode)
+        self.event_indicators = ca.Function(
+            "event_indicators", at_event, [ca.densify(_vector(indicators))]
+        )
+        memory, mode_after = block.memory_after(x, u, p, d, mode)
+        self.memory_after = ca.Function(
+            "memory_after",
+            at_event,
+            [_ordered(block.memory, memory), _ordered(block.modes, mode_after)],
+        )
+        self.outputs = block.output_function() or ca.Function(
+            "outputs",
+            [xv, uv, pv, dv, lookup],
+            [_ordered(block.outputs, block.output(x, u, p, d, lookup if block.table else None))],
+        )
+        self.stations_forward, self.forward = self._along_seeds(len(block.continuous))
+
+    def _along_seeds(self, continuous: int) -> tuple[ca.Function, ca.Function]:
+        """Derivatives of stations, outputs and rates in a direction of states and inputs."""
+        plain = self.outputs.is_a("SXFunction")
+        kind: Any = ca.SX if plain else ca.MX
+        arguments: list[Any] = self.outputs.sx_in() if plain else self.outputs.mx_in()
+        x, u, p, d, lookup = arguments
+        x_seed = kind.sym("x_seed", continuous)
+        u_seed = kind.sym("u_seed", u.numel())
+        fraction_seed = kind.sym("fraction_seed", lookup.size2())
+
+        def along(expression: Any, *pairs: tuple[Any, Any]) -> Any:
+            moving = [(at, seed) for at, seed in pairs if at.numel()]
+            return ca.densify(sum(ca.jtimes(expression, at, seed) for at, seed in moving))
+
+        by_ports = ((x[:continuous], x_seed), (u, u_seed))
+        fractions = lookup[0, :].T if lookup.numel() else lookup
+        seeds = [x_seed, u_seed]
+        return ca.Function(
+            "stations_forward",
+            [x, u, p, d, *seeds],
+            [along(self.stations(x, u, p, d), *by_ports)],
+        ), ca.Function(
+            "forward",
+            [x, u, p, d, lookup, *seeds, fraction_seed],
+            [
+                along(self.outputs(x, u, p, d, lookup), *by_ports, (fractions, fraction_seed)),
+                along(self.derivative(x, u, p, d), *by_ports),
+            ],
         )
 
 
-def _outputs(
-    block: Block,
-    x: dict[str, ca.SX],
-    u: dict[str, ca.SX],
-    p: dict[str, ca.SX],
-    d: dict[str, ca.SX],
-    lookup: ca.SX,
-) -> tuple[ca.Function, ca.Function]:
-    """The outputs, and their derivative in a direction of the inputs."""
-    function = block.output_function()
-    if function is None:
-        arguments = [_vector(x), _vector(u), _vector(p), _flat(d), lookup]
-        y = _ordered(block.outputs, block.output(x, u, p, d, lookup if block.table else None))
-        function = ca.Function("outputs", arguments, [y])
-    plain = function.is_a("SXFunction")
-    at: list[Any] = function.sx_in() if plain else function.mx_in()
-    seed: Any = (ca.SX if plain else ca.MX).sym("seed", len(u))
-    forward = ca.densify(ca.jtimes(function(*at), at[1], seed))
-    return function, ca.Function("outputs_forward", [*at, seed], [forward])
+def _derivative_of(state: State) -> Output:
+    """A variable for a state's time derivative."""
+    whole, per_second = state.unit.removesuffix("/s"), state.unit.endswith("/s")
+    return Output(
+        f"der({state.name})",
+        f"{whole}/s2" if per_second else f"{whole}/s",
+        f"{state.description}, time derivative",
+        derivative_of=state.name,
+    )
 
 
 def _flat(constants: Signals) -> ca.SX:

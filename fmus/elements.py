@@ -28,3 +28,32 @@ def friction_force(strain: ca.SX, slip: ca.SX, stiffness: ca.SX, limit: ca.SX) -
 def slip_after(strain: ca.SX, slip: ca.SX, reach: ca.SX) -> ca.SX:
     """The slip when the strain has moved; the slider follows at the distance `reach` = f/Kf."""
     return ca.fmax(strain - reach, ca.fmin(slip, strain + reach))
+
+
+SLIDER_MARGIN = 1e-6
+"""Part of the reach by which the mode of a slider lags, so that no event indicator starts at 0."""
+
+
+def slider_mode(strain: ca.SX, slip: ca.SX, reach: ca.SX, mode: ca.SX) -> ca.SX:
+    """0 stuck, +1 or -1 slipping that way, from the mode and the slip before `slip_after`."""
+    ahead = strain - slip
+    gives_way = ca.fabs(ahead) > (1 + SLIDER_MARGIN) * reach
+    slips_on = mode * ahead >= (1 - SLIDER_MARGIN) * reach
+    return ca.if_else(gives_way, ca.sign(ahead), ca.if_else(slips_on, mode, 0))
+
+
+def slider_indicator(
+    strain: ca.SX, strain_rate: ca.SX, slip: ca.SX, reach: ca.SX, mode: ca.SX
+) -> ca.SX:
+    """Falls through zero when a stuck slider gives way, or the strain of a slipping one turns.
+
+    An element without friction has no events.
+    """
+    stuck = (1 + SLIDER_MARGIN) * reach - ca.fabs(strain - slip)
+    watched = ca.if_else(mode == 0, stuck, mode * strain_rate)
+    return ca.if_else(reach > 0, watched, 1)
+
+
+def stop_indicator(strain: ca.SX, stop_stiffness: ca.SX, free_play: ca.SX) -> ca.SX:
+    """Falls through zero when the free play is used up; an element without a stop has no events."""
+    return ca.if_else(stop_stiffness > 0, free_play - ca.fabs(strain), 1)

@@ -24,6 +24,8 @@ class Twin:
         self.u = np.array([v.start for v in block.inputs])
         self.rate = np.zeros(len(block.inputs))
         self.d = self.x = np.zeros(0)
+        self.mode = np.zeros(len(block.modes))
+        self._state = {v.name: i for i, v in enumerate(block.continuous)}
         self._input = {v.name: i for i, v in enumerate(block.inputs)}
         self._output = {v.name: i for i, v in enumerate(block.outputs)}
         self._pages: dict[int, np.ndarray] = {}
@@ -41,6 +43,7 @@ class Twin:
         f = self.block.functions
         self.d = _array(f.derived(self.p))
         self.x = _array(f.initial(self.p, self.d, self.u))
+        self.mode[:] = 0.0
         self._pages = {}
 
     def step(self, size: float) -> None:
@@ -62,13 +65,40 @@ class Twin:
         """All outputs in block order."""
         return _array(self.block.functions.outputs(self.x, self.u, self.p, self.d, self._lookup()))
 
+    def derivatives(self) -> np.ndarray:
+        """Time derivatives of the continuous states, which are the first ones in `x`."""
+        return _array(self.block.functions.derivative(self.x, self.u, self.p, self.d))
+
+    def event_indicators(self) -> np.ndarray:
+        """All event indicators with the present states, inputs and modes."""
+        f = self.block.functions.event_indicators
+        return _array(f(self.x, self.u, self.p, self.d, self.mode))
+
+    def update_memory(self) -> None:
+        """Let memory and modes follow, at an event or after a completed integrator step."""
+        f = self.block.functions.memory_after
+        memory, mode = f(self.x, self.u, self.p, self.d, self.mode)
+        self.x[len(self._state) :] = _array(memory)
+        self.mode = _array(mode)
+
     def directional(self, seed: Mapping[str, float]) -> np.ndarray:
-        """Derivative of all outputs in the direction that the seed gives the inputs."""
-        direction = np.zeros(len(self.u))
+        """Derivatives along the seed of all outputs, then of the states' time derivatives.
+
+        seed: direction by name, of inputs and continuous states.
+        """
+        f, table = self.block.functions, self.block.table
+        x_seed, u_seed = np.zeros(len(self._state)), np.zeros(len(self.u))
         for name, value in seed.items():
-            direction[self._input[name]] = value
-        f = self.block.functions.outputs_forward
-        return _array(f(self.x, self.u, self.p, self.d, self._lookup(), direction))
+            if name in self._input:
+                u_seed[self._input[name]] = value
+            else:
+                x_seed[self._state[name]] = value
+        at = (self.x, self.u, self.p, self.d)
+        fractions = np.zeros(0)
+        if table is not None:
+            fractions = _array(f.stations_forward(*at, x_seed, u_seed)) / table.spacing
+        seeds = f.forward(*at, self._lookup(), x_seed, u_seed, fractions)
+        return np.concatenate([_array(seed) for seed in seeds])
 
     def _lookup(self) -> np.ndarray:
         table = self.block.table

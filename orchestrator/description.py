@@ -27,7 +27,7 @@ _INTERFACES = {
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable of an FMU. `dependencies` are those of an output; None means on every input."""
+    """A variable of an FMU. `dependencies`: inputs that an output depends on; None means all."""
 
     name: str
     reference: int
@@ -253,7 +253,7 @@ def _variables(contents: Contents) -> dict[str, Variable]:
     depends = {
         unknown.variable.name: None
         if unknown.dependencies is None
-        else frozenset(v.name for v in unknown.dependencies)
+        else frozenset(v.name for v in unknown.dependencies if v.causality == "input")
         for unknown in read.outputs
     }
     for element in contents.root.iterfind("ModelVariables/ScalarVariable[DirectDependency]"):

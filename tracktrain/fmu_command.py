@@ -34,6 +34,9 @@ CAPABILITIES = {
 }
 """What an interface may offer, and the attributes that say so in the versions of FMI."""
 
+OF_STEPS = ("input derivatives", "variable step")
+"""Those that make sense in co-simulation only."""
+
 DEMANDS = {
     "one instance in a process": "canBeInstantiatedOnlyOncePerProcess",
     "the tool that made it": "needsExecutionTool",
@@ -179,7 +182,7 @@ def _print_head(console: Console, contents: Contents, description: Description) 
         grid.add_row(label, _one_line(root.get(name)) or "not said")
     grid.add_row("platforms", _platforms(contents, description))
     for kind, said in contents.interfaces.items():
-        grid.add_row(kind, _capabilities(said))
+        grid.add_row(kind, _capabilities(kind, said))
     if experiment := _experiment(contents):
         grid.add_row("experiment", ", ".join(f"{k} {v}" for k, v in experiment.items()))
     grid.add_row("units", _units(description) or "none")
@@ -209,13 +212,14 @@ def _has_source(contents: Contents) -> bool:
     return any(name.startswith("sources/") and name.endswith(".c") for name in contents.members)
 
 
-def _capabilities(said: Mapping[str, str]) -> str:
+def _capabilities(kind: str, said: Mapping[str, str]) -> str:
+    possible = [n for n in CAPABILITIES if kind == "co-simulation" or n not in OF_STEPS]
     offers = [
         name
         for name, attributes in CAPABILITIES.items()
         if any(said.get(attribute) in ("true", "1") for attribute in attributes)
     ]
-    lacks = [name for name in CAPABILITIES if name not in offers]
+    lacks = [name for name in possible if name not in offers]
     needs = [name for name, attribute in DEMANDS.items() if said.get(attribute) in ("true", "1")]
     parts = {"offers": offers, "without": lacks, "demands": needs}
     return "\n".join(f"{label} {', '.join(names)}" for label, names in parts.items() if names)

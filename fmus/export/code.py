@@ -29,23 +29,17 @@ def sources(block: Block, start: Mapping[str, float], guid: str) -> dict[str, st
 def generated_functions(block: Block) -> dict[str, ca.Function]:
     """The functions that go into the FMU, by the name that the core calls."""
     f = block.functions
-    functions = {
-        name: getattr(f, name)
-        for name in (
-            "derived",
-            "initial",
-            "largest_step",
-            "step",
-            "stations",
-            "outputs",
-            "outputs_forward",
-        )
-    }
+    names = ["derived", "initial", "largest_step", "step", "outputs", "forward"]
+    if block.continuous:
+        names.append("derivative")
+    if f.event_indicators.numel_out():
+        names.append("event_indicators")
+    if block.memory:
+        names.append("memory_after")
     if block.table:
-        functions["page"] = block.table.page
-    else:
-        del functions["stations"]
-    return functions
+        names += ["stations", "stations_forward"]
+    functions = {name: getattr(f, name) for name in names}
+    return functions | ({"page": block.table.page} if block.table else {})
 
 
 def _equations(block: Block) -> str:
@@ -79,6 +73,11 @@ def _counts(block: Block, guid: str) -> str:
         "N_INPUTS": len(block.inputs),
         "N_OUTPUTS": len(block.outputs),
         "N_STATES": len(block.states),
+        "N_CONTINUOUS": len(block.continuous),
+        "N_MEMORY": len(block.memory),
+        "N_MODES": len(block.modes),
+        "N_LOCALS": len(block.locals),
+        "N_INDICATORS": block.functions.event_indicators.numel_out(),
         "N_DERIVED": block.functions.derived.numel_out(0),
         "TABLE_STATIONS": table.station_count if table else 0,
         "TABLE_VALUES": table.values if table else 0,
@@ -110,16 +109,31 @@ def _variables(block: Block, start: Mapping[str, float]) -> str:
         )
     for port in block.inputs:
         rows.append(f'{{"{port.name}", "{port.unit}", REAL, 1, {port.start!r}, {-MAX!r}, {MAX!r}}}')
-    table = ",\n    ".join(rows)
+    calculated = [*block.outputs, *block.locals]
+    reference = block.references
+    tables = {
+        "VariableInfo VARIABLE_INFO": rows,
+        "char *const CALCULATED_NAME": _names(calculated),
+        "char *const STATE_NAME": _names(block.states),
+        "double STATE_NOMINAL": [repr(float(n)) for n in nominals(block)],
+        "uint32_t STATE_REFERENCE": [str(reference[v.name]) for v in block.continuous],
+        "uint32_t DERIVATIVE_REFERENCE": [str(reference[v.name]) for v in block.derivatives],
+    }
     return (
-        f"/* Generated from the block {block.name!r}: parameters and inputs, outputs, states. */\n"
-        '#include "core.h"\n\n'
-        f"const VariableInfo VARIABLE_INFO[] = {{\n    {table}}};\n\n"
-        f"const char *const OUTPUT_NAME[] = {{\n    {_names(block.outputs)}}};\n\n"
-        f"const char *const STATE_NAME[] = {{\n    {_names(block.states)}}};\n"
+        f"/* Generated from the block {block.name!r}: the tables that core.h declares. */\n"
+        '#include "core.h"\n'
+    ) + "".join(
+        # A table of nothing would not be C.
+        f"\nconst {name}[] = {{\n    " + ",\n    ".join(elements or ["0"]) + "};\n"
+        for name, elements in tables.items()
     )
 
 
-def _names(variables: Sequence[Variable]) -> str:
-    """Elements of a C table of names; a table of none would not be C."""
-    return ",\n    ".join(f'"{v.name}"' for v in variables) or "0"
+def nominals(block: Block) -> list[float]:
+    """Size of each continuous state, as the output of the same name says."""
+    by_name = {output.name: output.nominal for output in block.outputs}
+    return [by_name[state.name] or 1.0 for state in block.continuous]
+
+
+def _names(variables: Sequence[Variable]) -> list[str]:
+    return [f'"{v.name}"' for v in variables]

@@ -8,8 +8,9 @@ from xml.etree.ElementTree import Element, SubElement
 
 import casadi as ca
 
-from ..block import Block, Parameter, Variable
-from ..variables import limits
+from ..block import Block
+from ..variables import Output, Parameter, Variable, limits
+from .code import NATIVE
 from .units import DISPLAY, unit_definitions
 from .xml import document
 
@@ -32,25 +33,15 @@ def model_description(block: Block, start: Mapping[str, float], guid: str, versi
         license="MIT",
         generationTool=f"tracktrain {version}",
         variableNamingConvention="structured",
-        numberOfEventIndicators="0",
+        numberOfEventIndicators=str(block.functions.event_indicators.numel_out()),
     )
-    slave = SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=block.name,
-        canHandleVariableCommunicationStepSize="true",
-        canInterpolateInputs="true",
-        maxOutputDerivativeOrder="0",
-        canBeInstantiatedOnlyOncePerProcess="false",
-        canNotUseMemoryManagementFunctions="true",
-        canGetAndSetFMUstate="true",
-        canSerializeFMUstate="true",
-        providesDirectionalDerivative="true",
-    )
-    files = SubElement(slave, "SourceFiles")
-    for name in ("block.c", "core.c", "fmi2.c"):
-        SubElement(files, "File", name=name)
-    variables: Sequence[Variable] = [*block.parameters, *block.inputs, *block.outputs]
+    _interfaces(root, block)
+    variables: Sequence[Variable] = [
+        *block.parameters,
+        *block.inputs,
+        *block.outputs,
+        *block.locals,
+    ]
     root.append(unit_definitions({v.unit for v in variables if _is_real(v)}))
     _type_definitions(root, block)
     categories = SubElement(root, "LogCategories")
@@ -63,6 +54,36 @@ def model_description(block: Block, start: Mapping[str, float], guid: str, versi
     _variables(root, block, start)
     _structure(root, block)
     return document(root)
+
+
+def _interfaces(root: Element, block: Block) -> None:
+    in_both = {
+        "canBeInstantiatedOnlyOncePerProcess": "false",
+        "canNotUseMemoryManagementFunctions": "true",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+        "providesDirectionalDerivative": "true",
+    }
+    exchange = SubElement(
+        root,
+        "ModelExchange",
+        in_both,
+        modelIdentifier=block.name,
+        completedIntegratorStepNotNeeded="false" if block.memory else "true",
+    )
+    slave = SubElement(
+        root,
+        "CoSimulation",
+        in_both,
+        modelIdentifier=block.name,
+        canHandleVariableCommunicationStepSize="true",
+        canInterpolateInputs="true",
+        maxOutputDerivativeOrder="0",
+    )
+    for element in (exchange, slave):
+        files = SubElement(element, "SourceFiles")
+        for name in ("block.c", *sorted(path.name for path in NATIVE.glob("*.c"))):
+            SubElement(files, "File", name=name)
 
 
 def _is_real(variable: Variable) -> bool:
@@ -99,6 +120,7 @@ def _vendor_annotations(root: Element, block: Block) -> None:
 def _variables(root: Element, block: Block, start: Mapping[str, float]) -> None:
     """ScalarVariables in the order of their value references, from 1."""
     model = SubElement(root, "ModelVariables")
+    references = block.references
     count = 0
 
     def scalar(variable: Variable, **attributes: str) -> Element:
@@ -143,12 +165,13 @@ def _variables(root: Element, block: Block, start: Mapping[str, float]) -> None:
     for port in block.inputs:
         element = scalar(port, causality="input", variability="continuous")
         real(element, port, start=repr(float(port.start)))
-    first_output = count + 1
-    index = {v.name: first_output + i for i, v in enumerate(block.outputs)}
-    for output in block.outputs:
-        element = scalar(output, causality="output", variability="continuous", initial="calculated")
-        rate = {"derivative": str(index[output.derivative_of])} if output.derivative_of else {}
-        real(element, output, **rate)
+    for causality, calculated in (("output", block.outputs), ("local", block.locals)):
+        for variable in calculated:
+            element = scalar(
+                variable, causality=causality, variability="continuous", initial="calculated"
+            )
+            source = variable.derivative_of if isinstance(variable, Output) else None
+            real(element, variable, **({"derivative": str(references[source])} if source else {}))
 
 
 def _bounds(parameter: Parameter) -> dict[str, str]:
@@ -164,55 +187,76 @@ def _bounds(parameter: Parameter) -> dict[str, str]:
 
 def _structure(root: Element, block: Block) -> None:
     structure = SubElement(root, "ModelStructure")
-    first_input = 1 + len(block.parameters)
-    first_output = first_input + len(block.inputs)
-    by_input = input_dependencies(block)
-    initially = initial_dependencies(block)
-    outputs = SubElement(structure, "Outputs")
-    initial = SubElement(structure, "InitialUnknowns")
-    for i, (now, start) in enumerate(zip(by_input, initially, strict=True)):
-        index = str(first_output + i)
-        SubElement(
-            outputs,
-            "Unknown",
-            index=index,
-            dependencies=" ".join(str(first_input + j) for j in now),
-        )
-        SubElement(
-            initial, "Unknown", index=index, dependencies=" ".join(str(1 + j) for j in start)
-        )
+    reference = block.references
+    now, at_start = dependencies(block), initial_dependencies(block)
+
+    def unknowns(tag: str, variables: Iterable[str], on: Mapping[str, Iterable[str]]) -> None:
+        group = SubElement(structure, tag)
+        for name in variables:
+            SubElement(
+                group,
+                "Unknown",
+                index=str(reference[name]),
+                dependencies=" ".join(map(str, sorted(reference[known] for known in on[name]))),
+            )
+
+    unknowns("Outputs", (v.name for v in block.outputs), now)
+    if block.derivatives:
+        unknowns("Derivatives", (v.name for v in block.derivatives), now)
+    unknowns("InitialUnknowns", sorted(at_start, key=reference.__getitem__), at_start)
 
 
-def input_dependencies(block: Block) -> list[list[int]]:
-    """For each output the numbers of the inputs that it depends on directly (feedthrough)."""
-    return _union(_rows(branch.jac_sparsity(0, 1)) for branch in block.output_branches())
+def dependencies(block: Block) -> dict[str, list[str]]:
+    """Inputs and continuous states on which each output and each derivative depends directly."""
+    continuous = ca.MX.sym("continuous", len(block.continuous))
+    memory = ca.MX.sym("memory", len(block.memory))
+    u, p = (ca.MX.sym("v", len(v)) for v in (block.inputs, block.parameters))
+    d = ca.MX.sym("d", block.functions.derived.numel_out(0))
+    x = ca.vertcat(continuous, memory)
+    branches, rates = _dependence(block, ca.vertcat(u, continuous), [memory, p, d], x, u, p, d)
+    known = [v.name for v in (*block.inputs, *block.continuous)]
+    return _named(block, _union(branches), rates, known)
 
 
-def initial_dependencies(block: Block) -> list[list[int]]:
-    """For each output the numbers of the parameters, then inputs, that its first value needs."""
+def initial_dependencies(block: Block) -> dict[str, list[str]]:
+    """Parameters and inputs that the first value of each output and each derivative needs."""
     f = block.functions
-    p = ca.MX.sym("p", len(block.parameters))
-    u = ca.MX.sym("u", len(block.inputs))
+    u, p = (ca.MX.sym("v", len(v)) for v in (block.inputs, block.parameters))
     d = f.derived(p)
-    x = f.initial(p, d, u)
-    lookup = ca.MX(0, 0)
-    if block.table:
-        table = block.table
-        nodes = table.page(0, d)[:, 0]
-        column = ca.vertcat(ca.sum1(f.stations(x, u, p, d)), nodes, nodes)
-        lookup = ca.repmat(column, 1, table.station_count)
-    chains = [
-        ca.Function("chain", [ca.vertcat(p, u)], [branch(x, u, p, d, lookup)])
-        for branch in block.output_branches()
-    ]
-    rows = [_rows(chain.jac_sparsity(0, 0)) for chain in chains]
-    needs = _union(rows)
+    branches, rates = _dependence(block, ca.vertcat(p, u), [], f.initial(p, d, u), u, p, d)
+    needs = _union(branches)
     if block.switch:
         switch = [parameter.name for parameter in block.parameters].index(block.switch)
         for output, need in enumerate(needs):
-            if any(branch[output] != rows[0][output] for branch in rows):
+            if any(branch[output] != branches[0][output] for branch in branches):
                 needs[output] = sorted({*need, switch})
-    return needs
+    known = [v.name for v in (*block.parameters, *block.inputs)]
+    return _named(block, needs, rates, known)
+
+
+def _dependence(
+    block: Block, at: ca.MX, others: list[ca.MX], x: ca.MX, u: ca.MX, p: ca.MX, d: ca.MX
+) -> tuple[list[list[list[int]]], list[list[int]]]:
+    """Entries of `at` that each output needs, by branch, and those that each derivative needs."""
+    f, table, lookup = block.functions, block.table, ca.MX(0, 0)
+    if table:
+        nodes = table.page(0, d)[:, 0]
+        stations = ca.vertsplit(f.stations(x, u, p, d))
+        lookup = ca.horzcat(*(ca.vertcat(station, nodes, nodes) for station in stations))
+
+    def rows(expression: ca.MX) -> list[list[int]]:
+        return _rows(ca.Function("chain", [at, *others], [expression]).jac_sparsity(0, 0))
+
+    branches = [rows(branch(x, u, p, d, lookup)) for branch in block.output_branches()]
+    return branches, rows(f.derivative(x, u, p, d))
+
+
+def _named(
+    block: Block, outputs: list[list[int]], rates: list[list[int]], known: Sequence[str]
+) -> dict[str, list[str]]:
+    unknowns = [*block.derivatives, *block.outputs]
+    pairs = zip(unknowns, [*rates, *outputs], strict=True)
+    return {v.name: [known[n] for n in numbers] for v, numbers in pairs}
 
 
 def _rows(sparsity: ca.Sparsity) -> list[list[int]]:

@@ -33,6 +33,7 @@ def documentation(block: Block, parameters: ParameterSet, start: Mapping[str, fl
         ),
         "<h2>Outputs</h2>",
         _table(("name", "unit", "meaning"), [_row(v) for v in block.outputs]),
+        *_local_variables(block),
         "<h2>Parameters</h2>",
         _table(
             ("name", "symbol", "start", "unit", "meaning", "basis", "source"),
@@ -44,6 +45,13 @@ def documentation(block: Block, parameters: ParameterSet, start: Mapping[str, fl
         page.append(MarkdownIt("commonmark").enable("table").render(readme.read_text()))
     page.append("</body></html>")
     return "\n".join(page) + "\n"
+
+
+def _local_variables(block: Block) -> list[str]:
+    if not block.locals:
+        return []
+    table = _table(("name", "unit", "meaning"), [_row(v) for v in block.locals])
+    return ["<h2>Local variables</h2>", table]
 
 
 def _row(variable: Variable) -> tuple[str, str, str]:

@@ -8,13 +8,21 @@ from dataclasses import dataclass
 import casadi as ca
 
 from ..block import Block, Signals
-from ..elements import friction_force, slip_after, spring_force
+from ..elements import (
+    friction_force,
+    slider_indicator,
+    slider_mode,
+    slip_after,
+    spring_force,
+    stop_indicator,
+)
 from .mass import mass_matrix
 from .ports import (
     AXLES,
     COORDINATES,
     ELEMENTS,
     INPUTS,
+    MODES,
     OUTPUTS,
     OWN_MOTION,
     PARAMETERS,
@@ -60,6 +68,7 @@ class Truck(Block):
     inputs = INPUTS
     outputs = OUTPUTS
     states = STATES
+    modes = MODES
     tangents = TANGENTS
     terminals = TERMINALS
 
@@ -155,12 +164,8 @@ class Truck(Block):
         )
 
         joints = _joints(q_end, qd_end, slip, end, p, d)
-        slip_end = [
-            slip_after(strain, s, reach)
-            for strain, s, reach in zip(joints.strain, slip, joints.reach, strict=True)
-        ]
         loads = _axle_loads(end, u, _axle_motions(q_end, qd_end, p), start_motion)
-        return _states(q_end, qd_end, slip_end), loads
+        return _states(q_end, qd_end, _slip_after(joints, slip)), loads
 
     def output(
         self, x: Signals, u: Signals, p: Signals, d: Signals, lookup: ca.SX | None
@@ -188,11 +193,50 @@ class Truck(Block):
         }
 
     def derivative(self, x: Signals, u: Signals, p: Signals, d: Signals) -> Signals:
-        """Rates with the sliders where they are; an element at its limit gives no stiffness."""
+        """(3) with the sliders where they are; an element at its limit gives no stiffness."""
         q, qd, slip = _coordinates(x)
         loads = {f"axle[{k}].{name}": u[f"axle[{k}].{name}"] for k in AXLES for name in SHARES}
         acceleration = _acceleration(_joints(q, qd, slip, u, p, d), loads, p, d)
-        return _states(qd, acceleration, [ca.SX(0)] * len(ELEMENTS))
+        return {**_numbered("q", qd), **_numbered("qd", acceleration)}
+
+    def event_indicators(
+        self, x: Signals, u: Signals, p: Signals, d: Signals, mode: Signals
+    ) -> Signals:
+        """(14), (15) for the six elements."""
+        q, qd, slip = _coordinates(x)
+        joints = _joints(q, qd, slip, u, p, d)
+        ports_at_rest: dict[str, ca.SX] = dict.fromkeys(u, ca.SX(0))
+        moving = ports_at_rest | {"car.y": u["car.vy"], "car.yaw": u["car.wz"]}
+        rate = _strains(qd, moving, p)
+        sliders = [
+            slider_indicator(joints.strain[i], rate[i], slip[i], joints.reach[i], m)
+            for i, m in enumerate(mode.values())
+        ]
+        stops = [
+            stop_indicator(joints.strain[i], p[f"{name}.stop_stiffness"], p[f"{name}.free_play"])
+            for i, name in enumerate(ELEMENTS)
+        ]
+        return {**_numbered("slider", sliders), **_numbered("stop", stops)}
+
+    def memory_after(
+        self, x: Signals, u: Signals, p: Signals, d: Signals, mode: Signals
+    ) -> tuple[Signals, Signals]:
+        """(6), (13): the sliders follow, and the modes with them."""
+        q, qd, slip = _coordinates(x)
+        joints = _joints(q, qd, slip, u, p, d)
+        modes = [
+            slider_mode(joints.strain[i], slip[i], joints.reach[i], m)
+            for i, m in enumerate(mode.values())
+        ]
+        return _numbered("slip", _slip_after(joints, slip)), _numbered("slider", modes)
+
+
+def _slip_after(joints: Joints, slip: Motion) -> Motion:
+    """The slips once the sliders have followed the strains, (6)."""
+    return [
+        slip_after(strain, s, reach)
+        for strain, s, reach in zip(joints.strain, slip, joints.reach, strict=True)
+    ]
 
 
 def _strains(q: Motion, u: Signals, p: Signals) -> Motion:

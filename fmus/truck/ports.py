@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..block import Input, Output, Parameter, State, Tangent
+from ..block import Input, Output, Parameter, State, Tangent, Variable
 from ..terminals import CENTRE_PLATE, RAILS, WHEELSET, Terminal
 
 AXLES = (1, 2)
@@ -36,7 +36,7 @@ OWN_MOTION = {"y": "m", "yaw": "rad", "vy": "m/s", "wz": "rad/s"}
 
 _FORCE = {"m": "N", "rad": "N.m"}
 _STIFFNESS = {"m": "N/m", "rad": "N.m/rad"}
-_NOMINAL = {"m": 1e-2, "rad": 1e-3, "N": 1e4, "N.m": 1e4}
+_NOMINAL = {"m": 1e-2, "rad": 1e-3, "m/s": 1e-1, "rad/s": 1e-2, "N": 1e4, "N.m": 1e4}
 
 
 def _element_parameters(name: str, number: int, unit: str) -> Sequence[Parameter]:
@@ -220,7 +220,13 @@ OUTPUTS = (
         for i, (unit, text) in enumerate(COORDINATES.values(), start=1)
     ),
     *(
-        Output(f"qd[{i}]", f"{unit}/s", f"{text}, rate", derivative_of=f"q[{i}]")
+        Output(
+            f"qd[{i}]",
+            f"{unit}/s",
+            f"{text}, rate",
+            nominal=_NOMINAL[f"{unit}/s"],
+            derivative_of=f"q[{i}]",
+        )
         for i, (unit, text) in enumerate(COORDINATES.values(), start=1)
     ),
     *(
@@ -242,9 +248,19 @@ STATES = (
         for i, (unit, text) in enumerate(COORDINATES.values(), start=1)
     ),
     *(
-        State(f"slip[{i}]", unit, f"Slip of the friction in element {i}, {name.replace('_', ' ')}")
+        State(
+            f"slip[{i}]",
+            unit,
+            f"Slip of the friction in element {i}, {name.replace('_', ' ')}",
+            memory=True,
+        )
         for i, (name, unit) in enumerate(ELEMENTS.items(), start=1)
     ),
+)
+
+MODES = tuple(
+    Variable(f"slider[{i}]", "1", f"Slider of element {i}: 0 stuck, else the way that it slips")
+    for i in range(1, len(ELEMENTS) + 1)
 )
 
 _AXLE_PLACE = {1: 54.0, 2: -54.0}

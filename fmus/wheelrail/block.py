@@ -156,6 +156,17 @@ class WheelRail(Block):
         y = chosen(law - 2, x, u, p, d, lookup)  # any other number: the last, linear
         return ca.Function("outputs", [x, u, p, d, lookup], [y])
 
+    def event_indicators(
+        self, x: Signals, u: Signals, p: Signals, d: Signals, mode: Signals
+    ) -> Signals:
+        """(21): each flange touches its rail, or leaves it; no event without rail stiffness."""
+        return {
+            f"{side}.clearance": ca.if_else(
+                p["flange_stiffness"] > 0, -_overlap(sign, u["y"] - u[f"rail_y_{side}"], p), 1
+            )
+            for side, sign in SIDES.items()
+        }
+
     def _branch(self, law: str, options: dict[str, Any] | None = None) -> ca.Function:
         kind: Any = ca.MX if law == "fastsim" else ca.SX  # the grid stays a loop in C
         x, lookup = kind(0, 1), kind(0, 0)
@@ -214,9 +225,14 @@ class WheelRail(Block):
 
     def _flange(self, sign: int, off_rail: ca.SX, u: Signals, p: Signals) -> ca.SX:
         """Force of one rail on the flange, (6): elastic, damped in proportion, never pulling."""
-        overlap = ca.fmax(sign * off_rail - p["flange_clearance"], 0)
+        overlap = ca.fmax(_overlap(sign, off_rail, p), 0)
         damped = ca.fmax(1 + p["flange_damping"] * sign * u["vy"], 0)
         return -sign * p["flange_stiffness"] * overlap * damped
+
+
+def _overlap(sign: int, off_rail: ca.SX, p: Signals) -> ca.SX:
+    """How far [m] the flange of one side is beyond its clearance; negative before it touches."""
+    return sign * off_rail - p["flange_clearance"]
 
 
 def _by_name(names: Iterable[str], vector: ca.SX) -> Signals:

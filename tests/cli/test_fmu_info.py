@@ -88,12 +88,13 @@ def data(path: Path) -> dict[str, Any]:
 
 def test_our_truck_is_introduced_with_all_that_it_offers() -> None:
     said = rows(info(fmu_path("truck")))
-    assert said[0] == "truck.fmu: FMI 2.0, co-simulation"
+    assert said[0] == "truck.fmu: FMI 2.0, co-simulation and model exchange"
     assert "made by tracktrain 0.1.0" in said
     assert "licence MIT" in said
     platforms = next(line for line in said if line.startswith("platforms "))
     assert platforms.endswith(", source code (runs on this machine)")
-    assert "co-simulation offers directional derivatives, input derivatives, variable step," in said
+    assert "co-simulation offers directional derivatives, input derivatives, variable" in said
+    assert "model exchange offers directional derivatives, saved state, serialised state" in said
     assert not any("without" in line for line in said)
     assert "experiment start 0, stop 8.0, step 0.001" in said
     assert "inputs (32)" in said

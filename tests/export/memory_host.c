@@ -128,7 +128,7 @@ static void derivatives(void *c) {
 }
 
 static void refused(void *c) {
-    unsigned wrong[] = {0, N_VALUES, (unsigned)-1};
+    unsigned wrong[] = {0, N_REFERENCES, (unsigned)-1};
     double value[] = {NAN, 0.0, 0.0};
     for (int i = 0; i < 3; i++) MUST_NOT(fmi2SetReal(c, wrong + i, 1, value));
     for (int i = 1; i < 3; i++) MUST_NOT(fmi2GetReal(c, wrong + i, 1, value));

@@ -59,6 +59,11 @@ class AnyCalls(RuleBasedStateMachine):
         self.saved: list[tuple[Any, str, list[float] | None]] = []
         self.variables = {v.valueReference: v for v in self.instance.variables.values()}
         self.legal_references = sorted(self.variables)
+        derivatives = [u.variable for u in self.instance.description.derivatives]
+        self.knowns = {v.derivative.valueReference for v in derivatives}
+        self.knowns |= {r for r, v in self.variables.items() if v.causality == "input"}
+        self.unknowns = {v.valueReference for v in derivatives}
+        self.unknowns |= {r for r, v in self.variables.items() if v.causality == "output"}
         self.references = [*self.legal_references, self.legal_references[-1] + 1, *PAST_THE_END]
         self.slave.reset()
         self.phase, self.start, self.stop = "instantiated", 0.0, math.inf
@@ -170,7 +175,8 @@ class AnyCalls(RuleBasedStateMachine):
         references = self.some_references(data)
         kinds = [self.variables[r].type if r in self.variables else "none" for r in references]
         refused = True if {*kinds} - {"Real"} else None
-        if all(r in self.variables and self.variables[r].causality != "output" for r in references):
+        given = {r for r, v in self.variables.items() if v.causality in ("input", "parameter")}
+        if given.issuperset(references):
             refused = bool(refused)  # what was set can be read, whatever the model makes of it
         self.call(self.slave.getReal, references, refused=refused)
 
@@ -200,10 +206,7 @@ class AnyCalls(RuleBasedStateMachine):
     def get_directional_derivative(self, data: st.DataObject) -> None:
         unknown, known = self.some_references(data), self.some_references(data)
         seed = [data.draw(NUMBERS) for _ in known]
-        causality = {r: v.causality for r, v in self.variables.items()}
-        refused = any(causality.get(r) != "output" for r in unknown) or any(
-            causality.get(r) != "input" for r in known
-        )
+        refused = bool({*unknown} - self.unknowns or {*known} - self.knowns)
         function = self.slave.getDirectionalDerivative
         self.call(function, unknown, known, seed, refused=True if refused else None)
 

@@ -47,7 +47,7 @@ def test_fmu_and_python_agree_over_random_states(instantiate, block_name, seed):
     exact = instance.slave.getDirectionalDerivative(
         instance.vr(*instance.names("output")), instance.vr(*direction), list(direction.values())
     )
-    expected = twin.directional(direction)
+    expected = twin.directional(direction)[: len(block.outputs)]
     assert np.allclose(
         exact, expected, rtol=tolerances.PARITY, atol=tolerances.PARITY * np.abs(expected).max()
     )

@@ -8,19 +8,25 @@
 
 #include "block.h"
 
-/* Value references: 0 is time, then the parameters, inputs and outputs, each in block order. */
+/* Value references: 0 is time, then the parameters, inputs, outputs and local variables, each in
+ * block order. Local are the derivatives of continuous states that are no outputs, then the memory. */
 enum {
     FIRST_PARAMETER = 1,
     FIRST_INPUT = FIRST_PARAMETER + N_PARAMETERS,
     FIRST_OUTPUT = FIRST_INPUT + N_INPUTS,
-    N_VALUES = FIRST_OUTPUT + N_OUTPUTS
+    FIRST_LOCAL = FIRST_OUTPUT + N_OUTPUTS,
+    FIRST_MEMORY = FIRST_LOCAL + N_LOCALS - N_MEMORY,
+    N_REFERENCES = FIRST_LOCAL + N_LOCALS
 };
 
 typedef enum { REAL, INTEGER, BOOLEAN, ENUMERATION } Kind;
 
 typedef enum { OK = 0, WARNING = 1, ERROR = 3 } Status;
 
-typedef enum { INSTANTIATED, INITIALIZING, RUNNING, TERMINATED } Phase;
+typedef enum { MODEL_EXCHANGE, CO_SIMULATION } Interface;
+
+/* STEPPING is co-simulation's, EVENT_MODE and CONTINUOUS_MODE are model exchange's. */
+typedef enum { INSTANTIATED, INITIALIZING, STEPPING, EVENT_MODE, CONTINUOUS_MODE, TERMINATED } Phase;
 
 typedef struct {
     const char *name;
@@ -32,15 +38,20 @@ typedef struct {
 
 /* Parameters and inputs, by value reference - 1. */
 extern const VariableInfo VARIABLE_INFO[];
-extern const char *const OUTPUT_NAME[];
+/* Outputs and local variables, by value reference - FIRST_OUTPUT. */
+extern const char *const CALCULATED_NAME[];
+/* The continuous states come first. */
 extern const char *const STATE_NAME[];
+extern const double STATE_NOMINAL[];
+extern const uint32_t STATE_REFERENCE[], DERIVATIVE_REFERENCE[];
 
 /* All that a rollback restores; a copy of this struct is a saved state. */
 typedef struct {
     double time;
-    double value[N_VALUES];
+    double value[FIRST_LOCAL];
     double rate[N_INPUTS + 1];
     double x[N_STATES + 1];
+    double mode[N_MODES + 1];
     double d[N_DERIVED + 1];
     Phase phase;
     int derived_stale, states_stale, outputs_stale;
@@ -50,6 +61,7 @@ typedef void (*Report)(void *environment, Status status, const char *message);
 
 typedef struct {
     State state;
+    Interface interface;
     Report report;
     void *environment;
     /* Pages of the table: a cache that follows from the state's derived constants alone. */
@@ -63,21 +75,37 @@ typedef struct {
     double w[WORK_W + 1];
 } Instance;
 
-Instance *core_create(Report report, void *environment);
+Instance *core_create(Interface interface, Report report, void *environment);
 void core_free(Instance *instance);
 void core_reset(Instance *instance);
 Status core_start(Instance *instance, double time);
+/* Model exchange goes on in event mode. */
 Status core_finish_initialization(Instance *instance);
+Status core_terminate(Instance *instance);
 Status core_set(Instance *instance, const uint32_t *reference, size_t count, const double *value);
 Status core_set_kind(Instance *instance, uint32_t reference, Kind kind, double value);
 Status core_set_rate(Instance *instance, uint32_t reference, double rate);
 Status core_get(Instance *instance, const uint32_t *reference, size_t count, double *value);
 Status core_get_kind(Instance *instance, uint32_t reference, Kind kind, double *value);
 Status core_step(Instance *instance, double time, double size);
+/* unknown: outputs and derivatives; known: inputs and continuous states. */
 Status core_directional(Instance *instance, const uint32_t *unknown, size_t unknown_count,
                         const uint32_t *known, size_t known_count, const double *seed,
                         double *sensitivity);
-void core_restore(Instance *instance, const State *state);
+Status core_restore(Instance *instance, const State *state);
+
+/* Model exchange. `count` must be the number of continuous states, or of event indicators. */
+Status core_enter_event_mode(Instance *instance);
+Status core_new_discrete_states(Instance *instance);
+Status core_enter_continuous_mode(Instance *instance);
+Status core_set_time(Instance *instance, double time);
+Status core_set_continuous_states(Instance *instance, const double *x, size_t count);
+Status core_get_continuous_states(Instance *instance, double *x, size_t count);
+Status core_nominals(Instance *instance, double *nominal, size_t count);
+Status core_derivatives(Instance *instance, double *rate, size_t count);
+Status core_event_indicators(Instance *instance, double *indicator, size_t count);
+/* event: whether event mode is to be entered now. */
+Status core_completed_step(Instance *instance, int *event);
 Status core_fail(Instance *instance, const char *format, ...);
 
 #endif

@@ -1,41 +1,18 @@
-/* FMI 2.0 co-simulation: the standard's functions over the core. The few types of the standard
- * that are needed are declared here, so that the sources stand alone. */
-#include "core.h"
+/* FMI 2.0, co-simulation and model exchange: the standard's functions over the core. */
+#include "fmi2.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "core.h"
+
 #if defined(_WIN32)
 #define EXPORT __declspec(dllexport)
 #else
 #define EXPORT __attribute__((visibility("default")))
 #endif
-
-typedef void *fmi2Component;
-typedef void *fmi2FMUstate;
-typedef uint32_t fmi2ValueReference;
-typedef double fmi2Real;
-typedef int fmi2Integer, fmi2Boolean, fmi2Status, fmi2Type, fmi2StatusKind;
-typedef const char *fmi2String;
-typedef char fmi2Byte;
-typedef struct {
-    void (*logger)(void *, fmi2String, fmi2Status, fmi2String, fmi2String, ...);
-    void *(*allocateMemory)(size_t, size_t);
-    void (*freeMemory)(void *);
-    void (*stepFinished)(void *, fmi2Status);
-    void *componentEnvironment;
-} fmi2CallbackFunctions;
-typedef struct {
-    fmi2Boolean newDiscreteStatesNeeded, terminateSimulation, nominalsOfContinuousStatesChanged,
-        valuesOfContinuousStatesChanged, nextEventTimeDefined;
-    fmi2Real nextEventTime;
-} fmi2EventInfo;
-
-enum { FMI2_OK, FMI2_WARNING, FMI2_DISCARD, FMI2_ERROR, FMI2_FATAL, FMI2_PENDING };
-enum { FMI2_MODEL_EXCHANGE, FMI2_CO_SIMULATION };
-enum { FMI2_LAST_SUCCESSFUL_TIME = 2, FMI2_TERMINATED = 3 };
 
 typedef struct {
     Instance *core;
@@ -91,10 +68,11 @@ EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String 
     if (slave->name && name) memcpy(slave->name, name, strlen(name));
     const char *problem = NULL;
     if (!slave->name || !name || !*name) problem = "an instance needs a name";
-    else if (type != FMI2_CO_SIMULATION) problem = "this FMU offers co-simulation only";
+    else if (type != MODEL_EXCHANGE && type != CO_SIMULATION)
+        problem = "an instance is for model exchange (0) or for co-simulation (1)";
     else if (!guid || strcmp(guid, GUID) != 0)
         problem = "the GUID differs from the model description's: binary and description do not belong together";
-    else if (!(slave->core = core_create(report, slave))) problem = "not enough memory";
+    else if (!(slave->core = core_create((Interface)type, report, slave))) problem = "not enough memory";
     if (!problem) return slave;
     if (slave->name) report(slave, ERROR, problem);
     free(slave->name);
@@ -136,9 +114,7 @@ EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
 
 EXPORT fmi2Status fmi2Terminate(fmi2Component c) {
     NEEDS_INSTANCE;
-    if (CORE->state.phase != RUNNING) return refuse(c, "fmi2Terminate ends a run, and none is under way");
-    CORE->state.phase = TERMINATED;
-    return FMI2_OK;
+    return (fmi2Status)core_terminate(CORE);
 }
 
 EXPORT fmi2Status fmi2Reset(fmi2Component c) {
@@ -209,8 +185,7 @@ EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
 EXPORT fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
     NEEDS_INSTANCE;
     if (!state) return refuse(c, "fmi2SetFMUstate needs a state");
-    core_restore(CORE, state);
-    return FMI2_OK;
+    return (fmi2Status)core_restore(CORE, state);
 }
 
 EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
@@ -320,18 +295,53 @@ EXPORT fmi2Status fmi2GetStringStatus(fmi2Component c, fmi2StatusKind kind, fmi2
     return c ? FMI2_DISCARD : FMI2_ERROR;
 }
 
-/* Model Exchange is not offered; its functions are there for importers that look for every name. */
-#define MODEL_EXCHANGE(name, ...)                                              \
-    EXPORT fmi2Status fmi2##name(fmi2Component c, ##__VA_ARGS__) {             \
-        return refuse(c, "this FMU offers co-simulation, not model exchange"); \
+#define NEEDS_PLACE(place) \
+    if (!(place)) return refuse(c, "a place for the result is missing: it is NULL")
+
+EXPORT fmi2Status fmi2EnterEventMode(fmi2Component c) {
+    NEEDS_INSTANCE;
+    return (fmi2Status)core_enter_event_mode(CORE);
+}
+
+EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
+    NEEDS_INSTANCE;
+    NEEDS_PLACE(info);
+    *info = (fmi2EventInfo){0}; /* memory follows at once, and there are no time events */
+    return (fmi2Status)core_new_discrete_states(CORE);
+}
+
+EXPORT fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
+    NEEDS_INSTANCE;
+    return (fmi2Status)core_enter_continuous_mode(CORE);
+}
+
+EXPORT fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_return, fmi2Boolean *event,
+                                              fmi2Boolean *terminate) {
+    (void)no_return;
+    NEEDS_INSTANCE;
+    NEEDS_PLACE(event && terminate);
+    *terminate = 0;
+    return (fmi2Status)core_completed_step(CORE, event);
+}
+
+EXPORT fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
+    NEEDS_INSTANCE;
+    return (fmi2Status)core_set_time(CORE, time);
+}
+
+EXPORT fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t count) {
+    NEEDS_INSTANCE;
+    NEEDS_LISTS(count, x, x);
+    return (fmi2Status)core_set_continuous_states(CORE, x, count);
+}
+
+#define READ_LIST(name, function)                                                   \
+    EXPORT fmi2Status fmi2##name(fmi2Component c, fmi2Real value[], size_t count) { \
+        NEEDS_INSTANCE;                                                             \
+        NEEDS_LISTS(count, value, value);                                           \
+        return (fmi2Status)function(CORE, value, count);                            \
     }
-MODEL_EXCHANGE(EnterEventMode)
-MODEL_EXCHANGE(NewDiscreteStates, fmi2EventInfo *info)
-MODEL_EXCHANGE(EnterContinuousTimeMode)
-MODEL_EXCHANGE(CompletedIntegratorStep, fmi2Boolean no_return, fmi2Boolean *event, fmi2Boolean *terminate)
-MODEL_EXCHANGE(SetTime, fmi2Real time)
-MODEL_EXCHANGE(SetContinuousStates, const fmi2Real x[], size_t count)
-MODEL_EXCHANGE(GetDerivatives, fmi2Real derivatives[], size_t count)
-MODEL_EXCHANGE(GetEventIndicators, fmi2Real indicators[], size_t count)
-MODEL_EXCHANGE(GetContinuousStates, fmi2Real x[], size_t count)
-MODEL_EXCHANGE(GetNominalsOfContinuousStates, fmi2Real nominal[], size_t count)
+READ_LIST(GetDerivatives, core_derivatives)
+READ_LIST(GetEventIndicators, core_event_indicators)
+READ_LIST(GetContinuousStates, core_get_continuous_states)
+READ_LIST(GetNominalsOfContinuousStates, core_nominals)

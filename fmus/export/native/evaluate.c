@@ -1,0 +1,257 @@
+/* What calls the generated equations: derived constants, states, outputs, steps, derivatives. */
+#include "evaluate.h"
+
+#include <math.h>
+#include <string.h>
+
+#define CASADI_SYMBOL_EXPORT static
+#include "equations.h"
+
+static double *parameters(State *s) { return s->value + FIRST_PARAMETER; }
+static double *inputs(State *s) { return s->value + FIRST_INPUT; }
+static double *outputs_of(State *s) { return s->value + FIRST_OUTPUT; }
+
+const char *first_lost(const double *x, const double *u) {
+    if (all_finite(x, N_STATES) && all_finite(u, N_INPUTS)) return NULL;
+    for (int i = 0; i < N_STATES; i++)
+        if (!finite_number(x[i])) return STATE_NAME[i];
+    for (int i = 0; i < N_INPUTS; i++)
+        if (!finite_number(u[i])) return VARIABLE_INFO[FIRST_INPUT - 1 + i].name;
+    return NULL;
+}
+
+/* Calls a generated function; the caller has set the arguments and results. */
+#define CALL(function) function(instance->arg, instance->res, instance->iw, instance->w, 0)
+
+/* The arguments (x, u, p, d) that most functions begin with. */
+static void common_arguments(Instance *instance, const double *x, const double *u) {
+    State *s = &instance->state;
+    instance->arg[0] = x;
+    instance->arg[1] = u;
+    instance->arg[2] = parameters(s);
+    instance->arg[3] = s->d;
+}
+
+static Status refresh_derived(Instance *instance) {
+    State *s = &instance->state;
+    if (!s->derived_stale) return OK;
+    instance->arg[0] = parameters(s);
+    instance->res[0] = s->d;
+    CALL(derived);
+    if (!all_finite(s->d, N_DERIVED))
+        return core_fail(instance, "these parameter values give no finite model; check for zero or "
+                                   "contradicting masses, lengths and stiffnesses");
+    s->derived_stale = 0;
+    memset(instance->page_filled, 0, sizeof instance->page_filled);
+    return OK;
+}
+
+Status refresh_states(Instance *instance) {
+    State *s = &instance->state;
+    if (refresh_derived(instance) != OK) return ERROR;
+    if (!s->states_stale) return OK;
+    instance->arg[0] = parameters(s);
+    instance->arg[1] = s->d;
+    instance->arg[2] = inputs(s);
+    instance->res[0] = s->x;
+    CALL(initial);
+    s->states_stale = 0;
+    return OK;
+}
+
+#if TABLE_STATIONS
+/* A table can be asked for any station; beyond this many pages the number would lose digits. */
+static const double FARTHEST_PAGE = 1e12;
+
+static const double *table_node(Instance *instance, double node) {
+    double number = floor(node / TABLE_NODES);
+    int64_t wanted = (int64_t)number;
+    int slot = (int)(((wanted % TABLE_SLOTS) + TABLE_SLOTS) % TABLE_SLOTS);
+    if (!instance->page_filled[slot] || instance->page_number[slot] != wanted) {
+        instance->arg[0] = &number;
+        instance->arg[1] = instance->state.d;
+        instance->res[0] = instance->page[slot];
+        CALL(page);
+        instance->page_number[slot] = wanted;
+        instance->page_filled[slot] = 1;
+    }
+    return instance->page[slot] + (int64_t)(node - number * TABLE_NODES) * TABLE_VALUES;
+}
+
+static Status refresh_lookup(Instance *instance) {
+    State *s = &instance->state;
+    double station[TABLE_STATIONS];
+    common_arguments(instance, s->x, inputs(s));
+    instance->res[0] = station;
+    CALL(stations);
+    for (int i = 0; i < TABLE_STATIONS; i++) {
+        double place = station[i] / TABLE_SPACING, node = floor(place);
+        double *column = instance->lookup + i * TABLE_ROWS;
+        if (!(fabs(node) < FARTHEST_PAGE * TABLE_NODES))
+            return core_fail(instance, "station %g is beyond what the table can address", station[i]);
+        column[0] = place - node;
+        memcpy(column + 1, table_node(instance, node), TABLE_VALUES * sizeof(double));
+        memcpy(column + 1 + TABLE_VALUES, table_node(instance, node + 1.0),
+               TABLE_VALUES * sizeof(double));
+    }
+    return OK;
+}
+#else
+static Status refresh_lookup(Instance *instance) {
+    (void)instance;
+    return OK;
+}
+#endif
+
+Status refresh_outputs(Instance *instance) {
+    State *s = &instance->state;
+    if (!s->outputs_stale) return OK;
+    if (refresh_states(instance) != OK || refresh_lookup(instance) != OK) return ERROR;
+    common_arguments(instance, s->x, inputs(s));
+    instance->arg[4] = instance->lookup;
+    instance->res[0] = outputs_of(s);
+    CALL(outputs);
+    s->outputs_stale = 0;
+    return OK;
+}
+
+Status evaluate_derivatives(Instance *instance, double *rate) {
+    if (refresh_states(instance) != OK) return ERROR;
+#if N_CONTINUOUS
+    common_arguments(instance, instance->state.x, inputs(&instance->state));
+    instance->res[0] = rate;
+    CALL(derivative);
+    for (int i = 0; i < N_CONTINUOUS; i++)
+        if (!finite_number(rate[i]))
+            return core_fail(instance, "the time derivative of %s is not finite", STATE_NAME[i]);
+#endif
+    return OK;
+}
+
+Status evaluate_indicators(Instance *instance, double *indicator) {
+    if (refresh_states(instance) != OK) return ERROR;
+#if N_INDICATORS
+    common_arguments(instance, instance->state.x, inputs(&instance->state));
+    instance->arg[4] = instance->state.mode;
+    instance->res[0] = indicator;
+    CALL(event_indicators);
+#endif
+    return OK;
+}
+
+Status update_memory(Instance *instance) {
+    if (refresh_states(instance) != OK) return ERROR;
+#if N_MEMORY
+    State *s = &instance->state;
+    double memory[N_MEMORY], mode[N_MODES + 1];
+    common_arguments(instance, s->x, inputs(s));
+    instance->arg[4] = s->mode;
+    instance->res[0] = memory;
+    instance->res[1] = mode;
+    CALL(memory_after);
+    memcpy(s->x + N_CONTINUOUS, memory, sizeof memory);
+    memcpy(s->mode, mode, N_MODES * sizeof *mode);
+    s->outputs_stale = 1;
+#endif
+    return OK;
+}
+
+/* More micro steps than this in one step are taken for a mistake in the step or the parameters. */
+static const double MOST_MICRO_STEPS = 1e8;
+
+Status core_step(Instance *instance, double time, double size) {
+    State *s = &instance->state;
+    if (instance->interface != CO_SIMULATION)
+        return core_fail(instance, "doStep is for co-simulation, and this instance for model exchange");
+    if (s->phase != STEPPING)
+        return core_fail(instance, "doStep needs a finished initialization and no termination");
+    if (!(size >= 0.0) || !finite_number(time + size))
+        return core_fail(instance, "doStep from t = %g s by %g s: the step must be finite and not negative",
+                         time, size);
+    if (refresh_states(instance) != OK) return ERROR;
+
+    double x[2][N_STATES + 1], u[2][N_INPUTS + 1], largest = size;
+    memcpy(x[0], s->x, sizeof s->x);
+    memcpy(u[0], inputs(s), N_INPUTS * sizeof(double));
+    common_arguments(instance, x[0], u[0]);
+    instance->res[0] = &largest;
+    CALL(largest_step);
+    double steps = ceil(size / largest - 1e-9);
+    if (!(steps <= MOST_MICRO_STEPS))
+        return core_fail(instance, "doStep by %g s needs micro steps of %g s: too many", size, largest);
+    long count = steps > 1.0 ? (long)steps : 1;
+    double micro = size / (double)count;
+    int now = 0;
+    for (long i = 0; i < count; i++, now = !now) {
+        instance->arg[0] = x[now];
+        instance->arg[1] = u[now];
+        instance->arg[2] = s->rate;
+        instance->arg[3] = parameters(s);
+        instance->arg[4] = s->d;
+        instance->arg[5] = &micro;
+        instance->res[0] = x[!now];
+        instance->res[1] = u[!now];
+        CALL(step);
+    }
+    const char *lost = first_lost(x[now], u[now]);
+    if (lost)
+        return core_fail(instance, "%s is no longer finite after the step from t = %.17g s by %g s: "
+                                   "the coupling or the micro step is unstable; take a smaller step",
+                         lost, time, size);
+    memcpy(s->x, x[now], sizeof s->x);
+    memcpy(inputs(s), u[now], N_INPUTS * sizeof(double));
+    memset(s->rate, 0, sizeof s->rate);
+    s->time = s->value[0] = time + size;
+    s->outputs_stale = 1;
+    return OK;
+}
+
+int continuous_place(const uint32_t *table, uint32_t reference) {
+    for (int i = 0; i < N_CONTINUOUS; i++)
+        if (table[i] == reference) return i;
+    return -1;
+}
+
+Status core_directional(Instance *instance, const uint32_t *unknown, size_t unknown_count,
+                        const uint32_t *known, size_t known_count, const double *seed,
+                        double *sensitivity) {
+    State *s = &instance->state;
+    double x_seed[N_CONTINUOUS + 1] = {0.0}, u_seed[N_INPUTS + 1] = {0.0};
+    double fraction_seed[TABLE_STATIONS + 1], output[N_OUTPUTS + 1], rate[N_CONTINUOUS + 1];
+    for (size_t i = 0; i < known_count; i++) {
+        int input = known[i] - FIRST_INPUT < N_INPUTS;
+        int place = input ? (int)(known[i] - FIRST_INPUT) : continuous_place(STATE_REFERENCE, known[i]);
+        if (place < 0)
+            return core_fail(instance, "value reference %u is no input or continuous state to differentiate by",
+                             (unsigned)known[i]);
+        (input ? u_seed : x_seed)[place] += seed[i];
+    }
+    if (refresh_states(instance) != OK) return ERROR;
+    if (s->outputs_stale && refresh_lookup(instance) != OK) return ERROR;
+    common_arguments(instance, s->x, inputs(s));
+#if TABLE_STATIONS
+    instance->arg[4] = x_seed;
+    instance->arg[5] = u_seed;
+    instance->res[0] = fraction_seed;
+    CALL(stations_forward);
+    for (int i = 0; i < TABLE_STATIONS; i++) fraction_seed[i] /= TABLE_SPACING;
+    common_arguments(instance, s->x, inputs(s));
+#endif
+    instance->arg[4] = instance->lookup;
+    instance->arg[5] = x_seed;
+    instance->arg[6] = u_seed;
+    instance->arg[7] = fraction_seed;
+    instance->res[0] = output;
+    instance->res[1] = rate;
+    CALL(forward);
+    for (size_t i = 0; i < unknown_count; i++) {
+        int is_output = unknown[i] - FIRST_OUTPUT < N_OUTPUTS;
+        int place = is_output ? (int)(unknown[i] - FIRST_OUTPUT)
+                              : continuous_place(DERIVATIVE_REFERENCE, unknown[i]);
+        if (place < 0)
+            return core_fail(instance, "value reference %u is no output or derivative to differentiate",
+                             (unsigned)unknown[i]);
+        sensitivity[i] = (is_output ? output : rate)[place];
+    }
+    return OK;
+}
