@@ -175,8 +175,14 @@ Examples:
     show_default=True,
     help="Version of the standard SSP; more tools read 1.0.",
 )
+@click.option(
+    "--changes-only",
+    is_flag=True,
+    help="Leave out values that the FMUs start with anyway. libcosim and ecos cannot read "
+    "enumerations such as a creep law; unless changed, these are left out then.",
+)
 @system_options
-def export(file: Path, standard: str, **shape: Any) -> None:
+def export(file: Path, standard: str, changes_only: bool, **shape: Any) -> None:
     """Write the hopper car as an SSP archive, which other co-simulation tools can run.
 
     It holds the FMUs, the values of their parameters, the connections and the experiment.
@@ -187,7 +193,7 @@ def export(file: Path, standard: str, **shape: Any) -> None:
         if file.suffix != ".ssp":
             raise TracktrainError(f"'{file}' is no name for an archive; it must end in .ssp")
         system = chosen_car(**shape)
-        path = write_ssp(system, file, name=file.stem, version=standard)
+        path = write_ssp(system, file, name=file.stem, version=standard, changes_only=changes_only)
         for note in system.notes:
             click.echo(f"note: {note}")
         click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")

@@ -10,7 +10,7 @@ from urllib.parse import quote
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from ..description import Variable, describe
+from ..description import Description, Variable, describe
 from ..errors import SspError, UnitError, choices
 from ..mock import Mock
 from ..system import Component, Connection, Experiment, System, Value, split
@@ -29,16 +29,22 @@ DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def write_ssp(
-    system: System, path: Path | str, *, name: str | None = None, version: str = "1.0"
+    system: System,
+    path: Path | str,
+    *,
+    name: str | None = None,
+    version: str = "1.0",
+    changes_only: bool = False,
 ) -> Path:
     """Write a system as an archive: its FMUs, values, connections, experiment and power bonds.
 
-    name: of the system; the file's by default. version: "1.0" or "2.0". Raises OrchestratorError.
+    name: of the system; the file's by default. version: "1.0" or "2.0". changes_only: leave out
+    values that the FMUs start with anyway. Raises OrchestratorError.
     """
     path = Path(path)
     if version not in VERSIONS:
         raise SspError(f"SSP has no version '{version}'; {choices(version, VERSIONS)}")
-    archive = _Archive(version, name or path.stem)
+    archive = _Archive(version, name or path.stem, changes_only)
     members = archive.members(system)
     try:
         with zipfile.ZipFile(path, "w") as file:
@@ -88,6 +94,7 @@ class _Units:
 class _Archive:
     version: str
     name: str
+    changes_only: bool
     units: _Units = field(default_factory=_Units)
     enumerations: dict[tuple[tuple[str, int], ...], str] = field(default_factory=dict)
 
@@ -155,21 +162,28 @@ class _Archive:
                     SubElement(node, "ssc:Item", name=item, value=str(value))
 
     def _parameter_set(self, instance: str, component: Component) -> bytes | None:
-        if not component.parameters:
-            return None
+        """A component's values; all sets have the system's name, by which ecos asks for them."""
         description = describe(_fmu(instance, component))
-        root, units = self._root("ssv:ParameterSet", instance), _Units()
+        root, units = self._root("ssv:ParameterSet", self.name), _Units()
         parameters = SubElement(root, "ssv:Parameters")
         for name, value in component.parameters.items():
-            parameter = SubElement(parameters, "ssv:Parameter", name=name)
             variable, fitting = resolve(instance, description, name, value)
+            if self.changes_only and _is_start(instance, description, variable, fitting):
+                continue
+            parameter = SubElement(parameters, "ssv:Parameter", name=name)
             kind, text, unit = _spelled(variable, value, fitting)
             attributes = units.attribute(unit, description.units) if kind == "Real" else {}
             if unit and not attributes and unit != variable.unit:
                 text = repr(fitting)
             SubElement(parameter, f"ssv:{kind}", {"value": text, **attributes})
         units.write(root)
-        return _text(root)
+        return _text(root) if len(parameters) else None
+
+
+def _is_start(instance: str, description: Description, variable: Variable, value: Value) -> bool:
+    """Whether a variable has the value anyway."""
+    start = variable.start
+    return start is not None and resolve(instance, description, variable.name, start)[1] == value
 
 
 def _spelled(variable: Variable, given: Value, fitting: Value) -> tuple[str, str, str | None]:

@@ -1,12 +1,16 @@
-"""A system run by libcosim and by ecos, in a process of its own: they share nothing with ours."""
+"""Systems run by libcosim and by ecos, in a process of its own: they share nothing with ours."""
 
 from __future__ import annotations
 
 import importlib
 import multiprocessing
-from collections.abc import Sequence
+import tempfile
+import zipfile
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 from fmpy import read_model_description
@@ -25,10 +29,22 @@ def run(
     every: int = 1,
 ) -> np.ndarray:
     """Values [row, watched] of "instance.variable" after each `every` steps [s]."""
+    job = {"libcosim": _libcosim, "ecos": _ecos}[engine]
+    return _apart(job, fmus, links, watched, step, rows, every)
+
+
+def run_archive(
+    engine: str, archive: Path, watched: Sequence[str], step: float, rows: int, every: int = 1
+) -> np.ndarray:
+    """The same of an SSP archive, named as its parameter sets are."""
+    job = {"libcosim": _libcosim_archive, "ecos": _ecos_archive}[engine]
+    return _apart(job, archive, watched, step, rows, every)
+
+
+def _apart(job: Callable[..., np.ndarray], *arguments: Any) -> np.ndarray:
     spawned = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=spawned) as pool:
-        job = {"libcosim": _libcosim, "ecos": _ecos}[engine]
-        return pool.submit(job, fmus, links, watched, step, rows, every).result()
+        return pool.submit(job, *arguments).result()
 
 
 def unavailable(engine: str) -> str | None:
@@ -52,15 +68,10 @@ def _libcosim(
 ) -> np.ndarray:
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
-    from libcosimpy.CosimObserver import CosimObserver
     from libcosimpy.CosimSlave import CosimLocalSlave
 
     log_output_level(CosimLogLevel.ERROR)
-    reference = {
-        (instance, variable.name): variable.valueReference
-        for instance, path in fmus.items()
-        for variable in read_model_description(str(path)).modelVariables
-    }
+    reference = _references(fmus)
     execution = CosimExecution.from_step_size(round(step * 1e9))
     index = {
         instance: execution.add_local_slave(CosimLocalSlave(str(path), instance))
@@ -71,6 +82,48 @@ def _libcosim(
             index[source], reference[source, output], index[target], reference[target, port]
         )
         assert status == 0, f"{source}.{output} cannot be connected to {target}.{port}"
+    return _observed(execution, index, reference, watched, rows, every)
+
+
+def _libcosim_archive(
+    archive: Path, watched: Sequence[str], step: float, rows: int, every: int
+) -> np.ndarray:
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
+
+    log_output_level(CosimLogLevel.ERROR)
+    with tempfile.TemporaryDirectory() as folder:  # libcosim reads archives that are unpacked
+        with zipfile.ZipFile(archive) as opened:
+            opened.extractall(folder)
+        execution = CosimExecution.from_ssp_file(folder, round(step * 1e9))
+        index = {info.name.decode(): info.index for info in execution.slave_infos()}
+        root = ElementTree.parse(Path(folder) / "SystemStructure.ssd")
+        fmus = {
+            node.attrib["name"]: Path(folder) / node.attrib["source"]
+            for node in root.iter()
+            if node.tag.endswith("}Component")
+        }
+        return _observed(execution, index, _references(fmus), watched, rows, every)
+
+
+def _references(fmus: dict[str, Path]) -> dict[tuple[str, str], int]:
+    return {
+        (instance, variable.name): variable.valueReference
+        for instance, path in fmus.items()
+        for variable in read_model_description(str(path)).modelVariables
+    }
+
+
+def _observed(
+    execution: Any,
+    index: dict[str, int],
+    reference: dict[tuple[str, str], int],
+    watched: Sequence[str],
+    rows: int,
+    every: int,
+) -> np.ndarray:
+    from libcosimpy.CosimObserver import CosimObserver
+
     observer = CosimObserver.create_last_value()
     assert execution.add_observer(observer)
     values = np.empty((rows, len(watched)))
@@ -91,17 +144,32 @@ def _ecos(
     rows: int,
     every: int,
 ) -> np.ndarray:
-    from ecospy import EcosSimulation, EcosSimulationStructure
+    from ecospy import EcosSimulationStructure
 
     structure = EcosSimulationStructure()
     for instance, path in fmus.items():
         structure.add_model(instance, str(path))
     for source, output, target, port in links:
         structure.make_real_connection(f"{source}::{output}", f"{target}::{port}")
+    return _stepped(watched, rows, every, structure=structure, step_size=step)
+
+
+def _ecos_archive(
+    archive: Path, watched: Sequence[str], step: float, rows: int, every: int
+) -> np.ndarray:
+    given = {"ssp_path": str(archive), "step_size": step}
+    return _stepped(watched, rows, every, archive.stem, **given)
+
+
+def _stepped(
+    watched: Sequence[str], rows: int, every: int, parameters: str | None = None, **given: Any
+) -> np.ndarray:
+    from ecospy import EcosSimulation
+
     names = [name.replace(".", "::", 1) for name in watched]  # an instance's name has no dot
     values = np.empty((rows, len(names)))
-    with EcosSimulation(structure=structure, step_size=step) as simulation:
-        simulation.init()
+    with EcosSimulation(**given) as simulation:
+        simulation.init(parameter_set=parameters)
         for row in range(rows):
             simulation.step(every)
             values[row] = [simulation.get_real(name) for name in names]

@@ -101,6 +101,15 @@ def test_two_fmus_of_the_same_name_both_go_along(system, tmp_path):
         assert Path(read.components[name].fmu).read_bytes() == Path(component.fmu).read_bytes()
 
 
+def test_values_that_the_fmus_have_anyway_can_be_left_out(system, tmp_path):
+    changed = system.with_value("damper one.locked", True).with_value("mass.m", 1.0)
+    read = read_ssp(write_ssp(changed, tmp_path / "pair.ssp", changes_only=True))
+    assert {name: dict(c.parameters) for name, c in read.components.items()} == {
+        "damper one": {"c": "200 lbf.s/in", "locked": True},
+        "mass": {"start_v": 1.0, "force_per_v": 0.25},
+    }
+
+
 def test_what_cannot_be_written_is_refused(system, tmp_path):
     for wrong, options, message in (
         (oscillator(), {}, "one is a mock, which cannot be written; give it an FMU"),
