@@ -8,7 +8,7 @@ the coupling made up: energy that one side gave and the other did not get.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -140,25 +140,56 @@ def _axis(variable: Variable) -> str:
     return last if last in "xyz" else ""
 
 
-def residual(
-    bond: Bond,
-    force: NDArray[np.float64],
-    velocity: NDArray[np.float64],
-    force_end: NDArray[np.float64],
-    velocity_end: NDArray[np.float64],
-    step: float,
-) -> BondResidual:
-    """Energy residual of a bond over a run.
+class BondSums:
+    """Energy of every bond, summed up step by step: in whatever blocks, to the same last bit.
 
-    force, velocity: the outputs at every communication point, shape (steps + 1,) [source's unit].
-    force_end, velocity_end: what the inputs were led to at the end of each step, shape (steps,)
-    [source's unit].
+    column_of: column of the record, by source and name of its output. led: links whose input's
+    value at the end of each step is known, and their columns.
     """
-    f0, f1, v0, v1 = force[:-1], force[1:], velocity[:-1], velocity[1:]
-    source = _work(f0, f1, v0, velocity_end, step) * bond.watts
-    target = _work(f0, force_end, v0, v1, step) * bond.watts
-    passed = 0.5 * float(np.sum(np.abs(source) + np.abs(target)))
-    return BondResidual(bond.name, passed, float(np.sum(source - target)))
+
+    def __init__(
+        self,
+        bonds: Sequence[Bond],
+        column_of: Mapping[tuple[int, str], int],
+        led: Mapping[Link, int],
+        step: float,
+    ) -> None:
+        self._bonds, self._column_of, self._led, self._step = bonds, column_of, led, step
+        self.values = np.zeros((2, len(bonds)))  # passed, residual [J]
+
+    def add(self, rows: NDArray[np.float64], ends: NDArray[np.float64]) -> None:
+        """Add the steps between rows, shape (steps + 1, columns).
+
+        ends: what led inputs were led to at the end of each step [target's unit].
+        """
+        for n, bond in enumerate(self._bonds):
+            force, force_end = self._side(bond.force, rows, ends)
+            velocity, velocity_end = self._side(bond.velocity, rows, ends)
+            f0, v0 = force[:-1], velocity[:-1]
+            source = _work(f0, force[1:], v0, velocity_end, self._step) * bond.watts
+            target = _work(f0, force_end, v0, velocity[1:], self._step) * bond.watts
+            for total, terms in (
+                (self.values[0], 0.5 * (np.abs(source) + np.abs(target))),
+                (self.values[1], source - target),
+            ):
+                total[n] = np.cumsum(np.append(total[n], terms))[-1]
+
+    def residuals(self) -> list[BondResidual]:
+        """Energy residual of every bond so far."""
+        return [
+            BondResidual(bond.name, float(passed), float(residual))
+            for bond, passed, residual in zip(self._bonds, *self.values, strict=True)
+        ]
+
+    def _side(
+        self, link: Link, rows: NDArray[np.float64], ends: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The output, and what the input was led to at each step's end [source's unit]."""
+        values = rows[:, self._column_of[link.source, link.output.name]]
+        column = self._led.get(link)
+        if column is None:
+            return values, values[:-1]
+        return values, (ends[:, column] - link.offset) / link.gain
 
 
 def _work(

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import csv
 import json
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -13,10 +15,13 @@ from numpy.typing import NDArray
 
 from .bonds import BondResidual
 from .description import Variable
-from .errors import ResultsError
+from .results_file import NAME, ResultsFile, described
 
 if TYPE_CHECKING:
     import xarray as xr
+
+BLOCK = 4096
+"""Rows that are written at a time."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +38,8 @@ class Statistics:
 class Run:
     """A run, also one that stopped early; then `message` says why, and what came before is kept.
 
-    record: values [the variables' units], shape (times, variables).
+    record: values [the variables' units], shape (times, variables). path: the file that was written
+    during the run; then values are read from it as they are asked for.
     """
 
     time: NDArray[np.float64]
@@ -45,6 +51,7 @@ class Run:
     bonds: list[BondResidual]
     statistics: Statistics
     notes: list[str] = field(default_factory=list)
+    path: Path | None = None
 
     @property
     def real_time_factor(self) -> float:
@@ -56,10 +63,12 @@ class Run:
         """One variable for each "instance.variable" over `time` [s], with units and provenance."""
         import xarray as xr
 
+        if self.path is not None:
+            return xr.open_dataset(self.path, engine="netcdf4")
         # By variable, so that each is one piece of memory.
         values = np.ascontiguousarray(self.record.T)
         variables = {
-            name: xr.Variable(("time",), values[n], _attributes(variable))
+            name: xr.Variable(("time",), values[n], described(variable))
             for n, (name, variable) in enumerate(self.variables)
         }
         time = xr.Variable(("time",), self.time, {"units": "s", "description": "simulated time"})
@@ -67,24 +76,34 @@ class Run:
 
     def write(self, folder: Path | str) -> Path:
         """Write results.nc into the folder; raises ResultsError if that cannot be."""
-        path = Path(folder) / "results.nc"
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            _write(self.dataset, path)
-        except OSError as error:
-            reason = (error.strerror or str(error)).lower()
-            raise ResultsError(
-                f"'{path}' cannot be written: {reason}; choose another folder"
-            ) from None
+        path = Path(folder) / NAME
+        if self.path is None or not path.exists() or not path.samefile(self.path):
+            file = ResultsFile.create(path, self.variables, self.attributes)
+            for block in self._blocks():
+                file.append(block)
+            file.finish(self.message)
         return path
 
+    def write_csv(self, folder: Path | str) -> Path:
+        """Write results.csv into the folder: time and variables with their units, every digit."""
+        path = Path(folder) / "results.csv"
+        with path.open("w", newline="") as stream:
+            writer = csv.writer(stream)
+            writer.writerow(
+                [
+                    "time [s]",
+                    *(f"{name} [{variable.unit or '1'}]" for name, variable in self.variables),
+                ]
+            )
+            for block in self._blocks():
+                writer.writerows(block.tolist())
+        return path
 
-def _attributes(variable: Variable) -> dict[str, str]:
-    return {"units": variable.unit or "1", "description": variable.description}
-
-
-def _write(dataset: xr.Dataset, path: Path) -> None:
-    dataset.to_netcdf(path, engine="netcdf4")
+    def _blocks(self) -> Iterator[NDArray[np.float64]]:
+        """Time and record, some rows at a time."""
+        for first in range(0, len(self.time), BLOCK):
+            block = slice(first, first + BLOCK)
+            yield np.column_stack([self.time[block], self.record[block]])
 
 
 def provenance(**given: Any) -> dict[str, Any]:

@@ -6,17 +6,19 @@ import math
 import tempfile
 import time
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .errors import CouplingError, RecordSizeError
+from .errors import CouplingError
+from .grid import make_grid
 from .initialize import settle
 from .mock import Mock, MockSlave
 from .plan import Plan, make_plan, start_values
 from .results import Run, Statistics, provenance
+from .results_file import NAME as RESULTS
+from .results_file import STOPPED, ResultsFile
 from .slave import Fmi2Slave, Logger, Slave, unzip
 from .system import Experiment, System
 
@@ -25,9 +27,6 @@ Progress = Callable[[float, float], None]
 
 STEP = 1e-3
 """Macro step where neither the caller nor the system gives one [s]."""
-
-WHOLE = 1e-9
-"""Relative distance from a whole number of steps that is rounding."""
 
 
 def simulate(
@@ -38,6 +37,9 @@ def simulate(
     master: str = "one-pass",
     start: float | None = None,
     record: Sequence[str] | None = None,
+    every: int = 1,
+    out: Path | str | None = None,
+    memory: float = 200e6,
     progress: Progress | None = None,
     compiled: bool = True,
     logger: Logger | None = None,
@@ -48,6 +50,9 @@ def simulate(
 
     What is None is taken from the system's experiment; else the step is 1 ms and the start 0.
     record: names or patterns of the outputs to keep; None keeps all, and every open input.
+    every: of the rows those at multiples of so many macro steps are kept.
+    out: folder for results.nc, which is written as the rows are made; then no more than `memory`
+    [bytes] of rows are held. Without it all rows stay in memory.
     compiled: False runs the same macro loop as plain Python.
     measure: estimate the share of time inside the FMUs. command: for the results' provenance.
     Raises OrchestratorError for what does not fit before the first step; from then on the run
@@ -55,10 +60,13 @@ def simulate(
     """
     begin = time.perf_counter()
     start, duration, step = _span(system.experiment, start, duration, step)
-    steps, notes = _steps(duration, step, start)
+    grid, notes = make_grid(duration, step, start)
+    if every < 1:
+        raise CouplingError(f"one row of every {every} cannot be kept; give a whole number above 0")
     plan = make_plan(system, record)
     # numba takes half a second to import: not before the system is known to be sound.
     from .masters import master_module
+    from .recording import Recording
     from .stepping import Stepper
 
     module = master_module(master)
@@ -68,31 +76,18 @@ def simulate(
             for variable, value in values:
                 slave.set_value(variable, value)
         for slave in slaves:
-            slave.start(start, start + steps * step)
+            slave.start(start, grid.stop)
         settle(plan, slaves)
         for slave in slaves:
             slave.begin_stepping()
-        rows = _record(steps + 1, len(plan.columns))
-        rows[0] = settle(plan, slaves)
-        constant = [
-            float(slaves[i].get_reals([variable])[0])
-            for i, variable in plan.open_inputs
-            if variable.type == "Real"
+        first_row = settle(plan, slaves)
+        prepared = module.prepare(plan, slaves)
+        opened = [(i, v) for i, v in plan.open_inputs if v.type == "Real"]
+        constant = np.array([slaves[i].get_reals([v])[0] for i, v in opened])
+        variables = [
+            (plan.name(i, v), v) for i, v in [*(plan.columns[n] for n in plan.recorded), *opened]
         ]
-        stepper = Stepper(module, plan, slaves, start, step, rows, compiled)
-        wall_load = time.perf_counter() - begin
-        message = stepper.run(progress)
-        share = stepper.share_inside() if measure else None
-    done = stepper.rows_done
-    wall = stepper.wall
-    names = [plan.name(*plan.columns[n]) for n in plan.recorded]
-    kept = rows[:done] if len(plan.recorded) == rows.shape[1] else rows[:done, plan.recorded]
-    opened = [(plan.name(i, v), v) for i, v in plan.open_inputs if v.type == "Real"]
-    return Run(
-        time=np.asarray(start + np.arange(done) * step, np.float64),
-        record=np.hstack([kept, np.broadcast_to(constant, (done, len(constant)))]),
-        variables=[*zip(names, (plan.columns[n][1] for n in plan.recorded), strict=True), *opened],
-        attributes=provenance(
+        attributes = provenance(
             command=command,
             master=master,
             step=step,
@@ -102,16 +97,35 @@ def simulate(
                 name: {"file": d.label, "sha256": d.sha256}
                 for name, d in zip(plan.names, plan.descriptions, strict=True)
             },
-            notes=[*notes, *plan.notes, *stepper.notes],
-            stopped=message,
-        ),
+            notes=[*notes, *plan.notes, *prepared.notes],
+        )
+        recording = Recording(plan, prepared, grid, constant, every, memory if out else None)
+        recording.rows[0] = first_row
+        if out is not None:
+            rows = grid.steps // every + 1
+            file = ResultsFile.create(Path(out) / RESULTS, variables, attributes, rows)
+            recording.file = stack.enter_context(closing(file))
+        stepper = Stepper(module, prepared, plan, slaves, grid, recording, compiled)
+        wall_load = time.perf_counter() - begin
+        message = stepper.run(progress)
+        if recording.file is not None:
+            recording.file.finish(message)
+        share = stepper.share_inside() if measure else None
+    done, wall = stepper.rows_done, stepper.wall
+    table = recording.file.read() if recording.file else recording.kept(0, done)
+    return Run(
+        time=table[:, 0],
+        record=table[:, 1:],
+        variables=variables,
+        attributes=attributes if message is None else {**attributes, STOPPED: message},
         completed=message is None,
         message=message,
-        bonds=stepper.bonds(),
+        bonds=recording.residuals(),
         statistics=Statistics(
             wall_load, wall, (done - 1) * step / wall if wall > 0.0 else math.inf, share
         ),
-        notes=[*notes, *plan.notes, *stepper.notes, *stepper.messages()],
+        notes=[*notes, *plan.notes, *prepared.notes, *stepper.messages()],
+        path=recording.file.path if recording.file else None,
     )
 
 
@@ -126,41 +140,6 @@ def _span(
         duration = experiment.stop - first
     size = next(size for size in (step, experiment.step, STEP) if size is not None)
     return first, duration, size
-
-
-def _steps(duration: float, step: float, start: float) -> tuple[int, list[str]]:
-    """Number of macro steps that cover the duration, and a note where they end after it."""
-    for name, value in (("duration", duration), ("step", step)):
-        if not (math.isfinite(value) and value > 0.0):
-            raise CouplingError(f"a {name} of {value:g} s cannot be run; it must be above zero")
-    if not math.isfinite(start):
-        raise CouplingError(f"a run cannot start at {start:g} s; give a finite time")
-    count = duration / step
-    if count < 1.0 - WHOLE:
-        raise CouplingError(
-            f"a step of {step:g} s is longer than the run of {duration:g} s; "
-            "give a shorter step or a longer duration"
-        )
-    whole = round(count)
-    if abs(count - whole) <= WHOLE * count:
-        return whole, []
-    steps = math.ceil(count)
-    note = (
-        f"{duration:g} s is no whole number of steps of {step:g} s: "
-        f"the run goes on to the end of the last one, {steps * step:g} s"
-    )
-    return steps, [note]
-
-
-def _record(rows: int, columns: int) -> NDArray[np.float64]:
-    """Room for all results, in memory before the clock starts."""
-    try:
-        return np.full((rows, columns), np.nan)
-    except (MemoryError, ValueError):  # numpy refuses absurd sizes as values
-        raise RecordSizeError(
-            f"a record of {rows} rows of {columns} values does not fit into memory; give a longer "
-            "step or a shorter duration, or record fewer outputs"
-        ) from None
 
 
 def _load(system: System, plan: Plan, stack: ExitStack, logger: Logger | None) -> list[Slave]:

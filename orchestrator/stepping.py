@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import signal
+import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from types import ModuleType
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .bonds import BondResidual, residual
+from .errors import ResultsError
+from .grid import Grid
 from .masters.tables import CALLS, NOT_FINITE, Prepared
 from .mock import MockSlave
-from .plan import Link, Plan, columns_of
+from .plan import Plan, columns_of
+from .recording import Recording
 from .simulation import Progress
 from .slave import Slave, Status
 
@@ -21,21 +25,20 @@ CHUNK = 0.07
 
 
 class Stepper:
-    """A master at work on a record of shape (steps + 1, columns), whose first row is known."""
+    """A master at work on a recording whose first row is known."""
 
     def __init__(
         self,
         master: ModuleType,
+        prepared: Prepared,
         plan: Plan,
         slaves: Sequence[Slave],
-        start: float,
-        step: float,
-        rows: NDArray[np.float64],
+        grid: Grid,
+        recording: Recording,
         compiled: bool,
     ) -> None:
-        self._plan, self._slaves, self._rows = plan, slaves, rows
-        self._start, self._step, self._steps = start, step, len(rows) - 1
-        self._prepared: Prepared = master.prepare(plan, slaves, self._steps)
+        self._plan, self._slaves, self._grid = plan, slaves, grid
+        self._prepared, self._recording = prepared, recording
         self._advance = master.advance if compiled else master.advance.py_func
         self._report = np.array([1, 0, 0, 0], np.int64)
         self._chunk(0, 0)  # compiles, or loads what was compiled before
@@ -49,42 +52,37 @@ class Stepper:
 
     def run(self, progress: Progress | None) -> str | None:
         """Step to the end, or to what stops it: the reason, else None."""
+        reason = self._run(progress)
+        with suppress(KeyboardInterrupt), uninterrupted():
+            try:
+                self._recording.take(self.rows_done, now=True)
+            except ResultsError as error:
+                return reason or self._unwritten(error)
+        return reason
+
+    def _run(self, progress: Progress | None) -> str | None:
         begin = time.perf_counter()
-        done, size = 0, 16
+        done, size = self.rows_done - 1, 16
         try:
-            while done < self._steps:
+            while done < self._grid.steps:
                 chunk_begin = time.perf_counter()
-                done = self._chunk(done, min(done + size, self._steps))
+                done = self._chunk(done, min(done + size, self._recording.last))
                 self.wall = time.perf_counter() - begin
                 if self._report[1]:
                     return self._reason()
-                if progress is not None:
-                    progress(self._start + done * self._step, self.wall)
                 spent = max(time.perf_counter() - chunk_begin, 1e-6)
+                with uninterrupted():
+                    self._recording.take(self.rows_done)
+                if progress is not None:
+                    progress(self._grid.time(done), self.wall)
                 size = max(1, int(size * min(CHUNK / spent, 16.0)))
         except KeyboardInterrupt:
             return self._interrupted()
+        except ResultsError as error:
+            return self._unwritten(error)
         finally:
             self.wall = time.perf_counter() - begin
         return None
-
-    def bonds(self) -> list[BondResidual]:
-        """Energy residual of every bond over the rows that are complete."""
-        done = self.rows_done
-
-        def ends(link: Link) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-            """The output, and what the input was led to at each step's end [source's unit]."""
-            values = self._rows[:done, self._plan.column_of[link.source, link.output.name]]
-            column = self._prepared.led.get(link)
-            if column is None:
-                return values, values[:-1]
-            return values, (self._prepared.ends[: done - 1, column] - link.offset) / link.gain
-
-        found = []
-        for bond in self._plan.bonds:
-            (force, force_end), (velocity, velocity_end) = ends(bond.force), ends(bond.velocity)
-            found.append(residual(bond, force, velocity, force_end, velocity_end, self._step))
-        return found
 
     def messages(self) -> list[str]:
         """What the FMUs logged, once each."""
@@ -99,32 +97,34 @@ class Stepper:
         """
         from .masters.idle import address_of_idle
 
-        steps = min(self._steps, 2000)
+        steps = min(self._grid.steps, 2000)
         table = self._prepared.tables[0]
         idle = np.full_like(table.instance, address_of_idle())
         functions = ("set_real", "get_real", "do_step", "set_rates", "directional")
         tables = (table._replace(**dict.fromkeys(functions, idle)), *self._prepared.tables[1:])
-        rows, report = np.zeros((steps + 1, self._rows.shape[1])), np.zeros(4, np.int64)
+        rows, report = np.zeros((steps + 1, len(self._plan.columns))), np.zeros(4, np.int64)
+        ends = np.zeros((steps, len(self._prepared.led)))
         spent = []
         for _ in range(3):
             begin = time.perf_counter()
             self._advance(
-                0, steps, self._start, self._step, rows, rows.ctypes.data,
-                np.empty_like(self._prepared.ends), report, *tables,
+                0, steps, self._grid.start, self._grid.step, rows, rows.ctypes.data, ends, report,
+                *tables,
             )  # fmt: skip
             spent.append(time.perf_counter() - begin)
         return 1.0 - min(spent) / steps / (self.wall / max(self.rows_done - 1, 1))
 
     def _chunk(self, first: int, last: int) -> int:
         with np.errstate(all="ignore"):  # as in compiled code; the master looks at every number
+            rows = self._recording.rows
             self._advance(
                 first,
                 last,
-                self._start,
-                self._step,
-                self._rows,
-                self._rows.ctypes.data,
-                self._prepared.ends,
+                self._grid.start,
+                self._grid.step,
+                rows,
+                rows.ctypes.data,
+                self._recording.ends,
                 self._report,
                 *self._prepared.tables,
             )
@@ -133,7 +133,7 @@ class Stepper:
     def _reason(self) -> str:
         _, call, number, status = (int(n) for n in self._report)
         if call == NOT_FINITE:
-            row = self._rows[self.rows_done]
+            row = self._recording.rows[self.rows_done]
             column = next(n for n in self._order() if not np.isfinite(row[n]))
             instance, variable = self._plan.columns[column]
             slave = self._slaves[instance]
@@ -161,5 +161,24 @@ class Stepper:
     def _interrupted(self) -> str:
         return f"interrupted at t = {self._time(self.rows_done - 1):g} s"
 
+    def _unwritten(self, error: ResultsError) -> str:
+        return f"{error}; stopped at t = {self._time(self.rows_done - 1):g} s"
+
     def _time(self, row: int) -> float:
-        return self._start + row * self._step
+        return self._grid.time(row)
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Hear Ctrl-C afterwards only, so that what is written is whole."""
+    if threading.current_thread() is not threading.main_thread():  # which alone hears it
+        yield
+        return
+    heard: list[int] = []
+    previous = signal.signal(signal.SIGINT, lambda number, frame: heard.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, previous)
+    if heard:
+        raise KeyboardInterrupt

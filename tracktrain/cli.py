@@ -15,6 +15,7 @@ from .errors import TracktrainError
 from .failures import Stopped, clear_errors
 from .fmu_command import fmu
 from .options import Name
+from .run_options import run_options, survival
 from .studies.command import study
 from .terminal import writable
 
@@ -118,6 +119,7 @@ Examples:
     metavar="DIR",
     help="Folder for results.nc and the pictures.",
 )
+@run_options
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
 def run(
@@ -127,6 +129,7 @@ def run(
     master: str,
     out: Path,
     quiet: bool,
+    csv: bool,
     **shape: Any,
 ) -> None:
     """Run the 80-ton hopper car, or the system of FILE; write results.nc and pictures.
@@ -136,6 +139,7 @@ def run(
     --set, --swap, --duration and --step change that.
     """
     with clear_errors():
+        how = survival(shape)
         if file is None:
             refuse_options(ctx, ["ssd"], "there is no file to choose a system of")
             system = chosen_car(**shape)
@@ -149,11 +153,18 @@ def run(
         span = (experiment.stop or 0.0) - (experiment.start or 0.0)
         with _progress(span, quiet) as (stage, progress):
             stage("running")
-            result = simulate(system, master=master, progress=progress, command=ctx.meta["command"])
+            result = simulate(
+                system,
+                master=master,
+                out=folder,
+                progress=progress,
+                command=ctx.meta["command"],
+                **how,
+            )
             stage("writing")
-            _write(result, folder)
+            lost = _write(result, folder, csv)
         if not quiet:
-            _print(result, result.notes, folder)
+            _print(result, [*result.notes, *lost], folder)
     if not result.completed:
         message = result.message or "the run stopped early"
         raise Stopped(f"{message}; what was computed until then is in {folder}")
@@ -199,11 +210,19 @@ def export(file: Path, standard: str, changes_only: bool, **shape: Any) -> None:
         click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
 
 
-def _write(result: Run, folder: Path) -> None:
+def _write(result: Run, folder: Path, csv: bool) -> list[str]:
+    """Write what is made of results.nc, and say what could not be."""
     from . import plots
 
-    result.write(folder)
-    plots.write_pictures(result.dataset, folder)
+    try:
+        plots.write_pictures(result.dataset, folder)
+        if csv:
+            result.write_csv(folder)
+    except OSError as error:
+        if result.completed:
+            raise
+        return [f"not all pictures and tables could be written: {error}"]
+    return []
 
 
 def _print(result: Run, notes: list[str], folder: Path) -> None:

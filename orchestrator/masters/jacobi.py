@@ -32,7 +32,7 @@ from .tables import (
 )
 
 
-def prepare(plan: Plan, slaves: Sequence[Slave], steps: int) -> Prepared:
+def prepare(plan: Plan, slaves: Sequence[Slave]) -> Prepared:
     """Tables for `advance`."""
     sizes = np.diff(plan.first_column)
     early = [int(sizes[i]) if i in plan.looped else plan.steady[i] for i in range(len(slaves))]
@@ -40,7 +40,7 @@ def prepare(plan: Plan, slaves: Sequence[Slave], steps: int) -> Prepared:
     groups = [plan.links_of(i) for i in range(len(slaves))]
     notes = [f"held over each step: all {len(plan.links)} connected inputs"]
     tables = (table, feed(plan, groups), *refresh_tables(plan, table))
-    return Prepared(tables, np.empty((0, 0)), {}, notes)
+    return Prepared(tables, {}, notes)
 
 
 @macro_loop

@@ -54,7 +54,7 @@ from .tables import (
 )
 
 
-def prepare(plan: Plan, slaves: Sequence[Slave], steps: int) -> Prepared:
+def prepare(plan: Plan, slaves: Sequence[Slave]) -> Prepared:
     """Tables for `advance`."""
     coupling = couple(plan)
     led = [link for bond in plan.bonds for link in (bond.force, bond.velocity)]
@@ -85,7 +85,6 @@ def prepare(plan: Plan, slaves: Sequence[Slave], steps: int) -> Prepared:
             lead.parabolas,
             lead.ends,
         ),
-        np.empty((steps, len(led))),
         {link: n for n, link in enumerate(led)},
         coupling.notes,
     )

@@ -113,11 +113,10 @@ class Refresh(NamedTuple):
 class Prepared:
     """Tables for a master's `advance`, in the order of its arguments, and what to tell the user.
 
-    led: links whose value at the end of each step `advance` stores in `ends`, by column.
+    led: links whose value at the end of each step `advance` stores in its `end_values`, by column.
     """
 
     tables: tuple[Any, ...]
-    ends: Floats
     led: dict[Link, int] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 

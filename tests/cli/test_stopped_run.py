@@ -82,10 +82,11 @@ def test_build_refuses_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
     assert f"'{folder}' cannot be written to (not a directory)" in result.stderr
 
 
-def test_results_that_do_not_fit_into_memory_are_refused(tmp_path: Path) -> None:
+def test_results_that_do_not_fit_onto_the_disk_are_refused(tmp_path: Path) -> None:
     result = run("--duration", "1e9 s", "--out", str(tmp_path))
-    assert result.exit_code == 1
-    assert "the results do not fit into memory; give a shorter --duration" in result.stderr
+    assert result.exit_code == 2
+    assert f"'{tmp_path / 'results.nc'}' would grow to 1.66e+06 GB, and the disk" in result.stderr
+    assert "keep fewer outputs or fewer rows, or choose another folder" in result.stderr
 
 
 def test_fault_of_the_program_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
