@@ -142,3 +142,6 @@ LOOP_ENERGY = 2e-3
 
 LOOP_RATE = 5e-3
 """Two loops at different rates: what is left is inertia and the rig's elasticity."""
+
+SURVEY_FREQUENCY = 1e-3
+"""Quadrature peak against eigenvalues: damping of 3 % moves the peak by its square."""

@@ -38,13 +38,16 @@ def printable(table: pd.DataFrame, title: str) -> Table:
     from rich.markup import escape
     from rich.table import Table
 
-    shown = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    shown = Table(
+        title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, collapse_padding=True
+    )
     flat = table.reset_index() if any(table.index.names) else table
     columns = {str(name): [_cell(value) for value in flat[name]] for name in flat.columns}
     for name, cells in columns.items():
         number = flat[name].dtype.kind in "if"
         widest = max(map(len, cells), default=1)
-        shown.add_column(escape(name), justify="right" if number else "left", min_width=widest)
+        heading = escape(name.replace(" [", "\n["))
+        shown.add_column(heading, justify="right" if number else "left", min_width=widest)
     for row in zip(*columns.values(), strict=True):
         shown.add_row(*map(escape, row))
     return shown

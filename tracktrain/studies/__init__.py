@@ -10,6 +10,7 @@ from __future__ import annotations
 from .outcome import Outcome
 
 STUDIES = {
+    "carbody-survey": "Carbody on air springs: modal survey (Table 4-1, Figures 4-8, 4-9)",
     "truck-hysteresis": "Truck on a rig: loops of every element (Figure 4-20)",
     "identify": "Analog parameters of a truck element from a measured loop (Table 4-5)",
     "track": "Track alone: histogram, spectrum, realisation (Figures 5-3 to 5-5)",

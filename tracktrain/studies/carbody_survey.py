@@ -1,0 +1,450 @@
+"""A modal survey of the carbody on air springs: shakers, transfer functions, decay."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import pi, sin, sqrt
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+import numpy as np
+
+from ..hopper import CARS
+from ..options import Name
+from ..terminal import Progress
+from .command import study_command
+from .outcome import Outcome
+from .rig import Signals, rig, run_on_rig
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from orchestrator import Run
+    from orchestrator.system import Value
+
+SWEEP, TAIL, DWELL, DECAY = 40.0, 12.0, 3.0, 4.0
+"""Duration of the sweep, of the silence after it, of the dwell and of the decay [s]."""
+
+BAND = (0.5, 45.0)
+"""Frequencies of the sweep [Hz]."""
+
+AIR_DAMPING = 0.03
+"""Damping ratio of the carbody on the air springs."""
+
+AIR_ROLL = {"empty": 3.45, "loaded": 3.30, "report-linear": 3.30}
+"""Roll of the rigid carbody on the air springs [Hz], report Table 4-1."""
+
+AIR_VERTICAL = 2.15
+"""Bounce of the loaded carbody on the air springs [Hz], report Table 4-1."""
+
+AMPLITUDE = 1000.0
+"""Of each shaker [N or N.m]; the model is linear."""
+
+STEP = 1e-3
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A mode of the survey: which shakers, in which phase, and the accelerometer that is read.
+
+    parameter: the block's frequency, empty for a rigid mode on the air springs. table: Table 4-1's
+    frequency [Hz], loaded and empty.
+    """
+
+    name: str
+    force: str
+    rear: float
+    accelerometer: str
+    parameter: str
+    table: tuple[float | None, float | None]
+
+
+MODES = (
+    Mode("bounce on air", "force_z", 1.0, "front.az", "", (2.15, None)),
+    Mode("roll on air", "moment_x", 1.0, "front.wx_dot", "", (3.30, 3.45)),
+    Mode("first torsion", "moment_x", -1.0, "front.wx_dot", "torsion_frequency", (6.30, 6.75)),
+    Mode("lateral bending", "force_y", 1.0, "front.ay", "lateral_bending_frequency", (8.85, 17.64)),
+    Mode(
+        "vertical bending", "force_z", 1.0, "front.az", "vertical_bending_frequency", (14.55, 29.57)
+    ),
+)
+
+
+@dataclass(frozen=True)
+class AirSprings:
+    """Stiffness and damping of the air springs at each end: vertical, roll [N/m, N.m/rad]."""
+
+    stiffness: Mapping[str, float]
+    damping: Mapping[str, float]
+
+    @classmethod
+    def under(cls, values: Values, loaded_mass: float, roll: float) -> AirSprings:
+        """Springs on which the carbody rolls at `roll` [Hz], and the loaded one bounces."""
+        k_z = loaded_mass * (2 * pi * AIR_VERTICAL) ** 2 / 2
+        k_roll = values["roll_inertia"] * (2 * pi * roll) ** 2 / 2
+        damping = {
+            "z": AIR_DAMPING * sqrt(2 * k_z * values["body_mass"]),
+            "roll": AIR_DAMPING * sqrt(2 * k_roll * values["roll_inertia"]),
+        }
+        return cls({"z": k_z, "roll": k_roll}, damping)
+
+
+@dataclass(frozen=True)
+class Found:
+    """What the survey found of a mode: frequency [Hz], damping ratio, modal amplitude at the
+    accelerometer for unit modal mass, and the decay that was recorded."""
+
+    mode: Mode
+    frequency: float
+    damping: float
+    shape: float
+    decay: xr.DataArray
+
+
+def carbody_survey(
+    car: str = "empty", fmu: Path | None = None, progress: Progress | None = None
+) -> Outcome:
+    """Find the carbody's modes as the report's modal survey did.
+
+    The carbody hangs on air springs; shakers at the centre plates sweep through 0.5 to 45 Hz. A
+    mode stands where the imaginary part of acceleration over force peaks (Figure 4-8); its damping
+    shows in the decay after a dwell there (Figure 4-9). What the air springs add is taken out by
+    (4-20) to (4-23). `fmu` is a carbody to survey instead of ours.
+    """
+    from fmus.carbody import Carbody
+    from fmus.parameters import parameter_set
+
+    from ..changes import swapped
+    from ..hopper import hopper_car
+
+    values = parameter_set(car).values(Carbody())
+    system = hopper_car(car)
+    if fmu is not None:
+        system, _ = swapped(system, "carbody", fmu)
+    component = system.components["carbody"]
+    place, given = Path(str(component.fmu)), component.parameters
+    loaded = parameter_set("loaded").values(Carbody())["body_mass"]
+    springs = AirSprings.under(values, loaded, AIR_ROLL[car])
+
+    vectors = list(dict.fromkeys((mode.force, mode.rear) for mode in MODES))
+    jobs, done = len(vectors) + len(MODES), 0
+    transfer: dict[tuple[str, float], xr.Dataset] = {}
+    for force, rear in vectors:
+        run = _run(place, given, springs, force, rear, _chirp, SWEEP + TAIL)
+        transfer[force, rear] = _transfer(run.dataset, force)
+        done += 1
+        if progress:
+            progress(done / jobs)
+    found = []
+    for mode in MODES:
+        ratio = transfer[mode.force, mode.rear][mode.accelerometer]
+        frequency = _quadrature_peak(ratio, _on_air(mode, values, springs))
+        dwell = _dwell(frequency)
+        decay = _run(place, given, springs, mode.force, mode.rear, dwell, DWELL + DECAY)
+        trace = decay.dataset[f"unit.{mode.accelerometer}"]
+        damping = _damping(trace, frequency)
+        both = _shape_squared(ratio, frequency, damping)  # two shakers push on the mode alike
+        found.append(Found(mode, frequency, damping, sqrt(abs(both) / 2), trace))
+        done += 1
+        if progress:
+            progress(done / jobs)
+    return Outcome(
+        title=f"Modal survey of the carbody on air springs, {car}",
+        dataset=_dataset(transfer, found, car),
+        tables={"modes": _table(found, values, springs, car)},
+        pictures={
+            "figure_4_8": _transfer_figure(transfer, found),
+            "figure_4_9": _decay_figure(found),
+        },
+        notes=[
+            f"air springs per end: {springs.stiffness['z'] / 1e6:.3g} MN/m, "
+            f"{springs.stiffness['roll'] / 1e6:.3g} MN.m/rad, chosen for the report's rigid roll"
+        ],
+    )
+
+
+command = study_command(
+    "carbody-survey",
+    click.option(
+        "--car", type=Name("car", CARS), default="empty", show_default=True, help="Parameter set."
+    ),
+    click.option(
+        "--fmu",
+        type=click.Path(path_type=Path),
+        metavar="FILE",
+        help="A carbody to survey instead of ours.",
+    ),
+    epilog="""\b
+Examples:
+  tracktrain study carbody-survey
+  tracktrain study carbody-survey --car loaded""",
+)(carbody_survey)
+
+
+def _run(
+    fmu: Path,
+    given: Mapping[str, Value],
+    springs: AirSprings,
+    force: str,
+    rear: float,
+    signal: Callable[[float], float],
+    duration: float,
+) -> Run:
+    """Run the carbody on its springs, with the shakers of one force vector."""
+
+    def law(time: float, u: Signals) -> dict[str, float]:
+        shaken = AMPLITUDE * signal(time)
+        loads = {}
+        for end, phase in (("front", 1.0), ("rear", rear)):
+            loads[f"{end}.force_y"] = loads[f"{end}.moment_z"] = 0.0
+            for name, motion, rate in (("force_z", "z", "vz"), ("moment_x", "roll", "wx")):
+                loads[f"{end}.{name}"] = (
+                    -springs.stiffness[motion] * u[f"{end}.{motion}"]
+                    - springs.damping[motion] * u[f"{end}.{rate}"]
+                )
+            loads[f"{end}.{force}"] += phase * shaken
+        return loads
+
+    units = {"force_y": "N", "force_z": "N", "moment_x": "N.m", "moment_z": "N.m"}
+    motions = {"z": "m", "vz": "m/s", "roll": "rad", "wx": "rad/s"}
+    ends = ("front", "rear")
+    stand = rig(
+        outputs={f"{end}.{name}": unit for end in ends for name, unit in units.items()},
+        inputs={f"{end}.{name}": unit for end in ends for name, unit in motions.items()},
+        law=law,
+        depends={
+            f"{end}.{name}": (f"{end}.{motion}", f"{end}.{rate}")
+            for end in ends
+            for name, motion, rate in (("force_z", "z", "vz"), ("moment_x", "roll", "wx"))
+        },
+    )
+    run = run_on_rig(fmu, given, stand, duration, STEP)
+    if not run.completed:
+        from ..errors import TracktrainError
+
+        raise TracktrainError(f"the survey with {force} stopped: {run.message}")
+    return run
+
+
+def _chirp(time: float) -> float:
+    """A sweep whose frequency grows exponentially, so that each octave takes as long."""
+    if not 0.0 < time < SWEEP:
+        return 0.0
+    low, high = BAND
+    growth = np.log(high / low) / SWEEP
+    return sin(2 * pi * low * np.expm1(growth * time) / growth)
+
+
+def _dwell(frequency: float) -> Callable[[float], float]:
+    return lambda time: sin(2 * pi * frequency * time) if 0.0 < time < DWELL else 0.0
+
+
+def _transfer(dataset: xr.Dataset, force: str) -> xr.Dataset:
+    """Acceleration over force (complex) against frequency, for each accelerometer."""
+    import xarray as xr
+
+    size = 4 * len(dataset.time)
+    shaken = np.array([_chirp(t) for t in dataset.time.values]) * AMPLITUDE
+    frequency = np.fft.rfftfreq(size, STEP)
+    inside = (frequency > BAND[0] * 1.2) & (frequency < BAND[1] * 0.9)
+    spectrum = np.fft.rfft(shaken, size)[inside]
+    ratios = {
+        name: ("frequency", np.fft.rfft(dataset[f"unit.{name}"].values, size)[inside] / spectrum)
+        for name in ("front.ay", "front.az", "front.wx_dot")
+    }
+    axis = xr.Variable("frequency", frequency[inside], {"units": "Hz"})
+    return xr.Dataset(ratios, {"frequency": axis}, {"force": force})
+
+
+def _quadrature_peak(ratio: xr.DataArray, near: float) -> float:
+    """Frequency [Hz] of the largest imaginary part within 20 % of `near` [Hz]."""
+    part = ratio.sel(frequency=slice(0.8 * near, 1.2 * near))
+    height = np.abs(part.values.imag)
+    top = int(np.clip(height.argmax(), 1, len(height) - 2))
+    left, middle, right = height[top - 1 : top + 2]
+    shift = 0.5 * (left - right) / (left - 2 * middle + right)  # of the parabola through the three
+    spacing = float(part.frequency[1] - part.frequency[0])
+    return float(part.frequency[top]) + shift * spacing
+
+
+def _on_air(mode: Mode, values: Values, springs: AirSprings) -> float:
+    """The mode's frequency on the air springs [Hz], by the eigenvalues of the whole carbody."""
+    from fmus.carbody import rig as carbody_rig
+
+    stiffness = np.diag(carbody_rig.frequencies(values) ** 2)
+    at_end = np.diag([0.0, springs.stiffness["z"], springs.stiffness["roll"], 0.0])
+    for sign in (1, -1):
+        shapes = carbody_rig.mode_shapes(values, sign)
+        stiffness += shapes.T @ at_end @ shapes
+    squared, vectors = np.linalg.eigh(stiffness)
+    most = int(np.abs(vectors[_COLUMN[mode.name]]).argmax())
+    return float(sqrt(squared[most]) / (2 * pi))
+
+
+def _air_squared(shape: float, mode: Mode, springs: AirSprings) -> float:
+    """omega_air^2 = phi^T K_air phi, as a frequency squared [Hz^2]. # report (4-21), (4-22)"""
+    motion = {"force_z": "z", "moment_x": "roll"}.get(mode.force)
+    stiffness = springs.stiffness[motion] if motion else 0.0
+    return 2 * stiffness * shape**2 / (2 * pi) ** 2
+
+
+_COLUMN = {
+    "bounce on air": 1,
+    "roll on air": 2,
+    "first torsion": 5,
+    "lateral bending": 6,
+    "vertical bending": 7,
+}
+"""Place of each mode among the block's."""
+
+
+def _shape_squared(ratio: xr.DataArray, frequency: float, damping: float) -> float:
+    """The mode's amplitude squared at the accelerometer for unit modal mass.
+
+    Least squares of -omega^2 phi^2/(omega_0^2 - omega^2 + 2 i zeta omega_0 omega), and a constant
+    for the other modes, within the peak.
+    """
+    near = ratio.sel(frequency=slice((1 - 3 * damping) * frequency, (1 + 3 * damping) * frequency))
+    values = near.values
+
+    def columns(guess: np.ndarray) -> np.ndarray:
+        w = near.frequency.values / guess[0]
+        mode = -(w**2) / (1 - w**2 + 2j * guess[1] * w)
+        return np.column_stack([mode, np.ones_like(mode)])
+
+    return float(_separable(columns, values, np.array([frequency, damping]))[1][0].real)
+
+
+def _damping(trace: xr.DataArray, frequency: float) -> float:
+    """Damping ratio from the decay: least squares of a decaying sinusoid."""
+    silent = trace.sel(time=slice(DWELL + 2 * STEP, None)).values
+    time = STEP * np.arange(len(silent))
+
+    def columns(guess: np.ndarray) -> np.ndarray:
+        w = 2 * pi * guess[0]
+        decay = np.exp(-guess[1] * w * time)
+        return np.column_stack([decay * np.cos(w * time), decay * np.sin(w * time)])
+
+    return float(_separable(columns, silent, np.array([frequency, 0.03]))[0][1])
+
+
+def _separable(
+    columns: Callable[[np.ndarray], np.ndarray], values: np.ndarray, guess: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Least squares of columns(guess) @ factors against values: the guess and the factors."""
+    from scipy.optimize import least_squares
+
+    def factors(x: np.ndarray) -> np.ndarray:
+        return np.linalg.lstsq(columns(x), values, rcond=None)[0]
+
+    def residual(x: np.ndarray) -> np.ndarray:
+        left = columns(x) @ factors(x) - values
+        return np.concatenate([left.real, left.imag])
+
+    found = least_squares(residual, guess, x_scale=np.abs(guess)).x
+    return found, factors(found)
+
+
+def _table(found: Sequence[Found], values: Values, springs: AirSprings, car: str) -> pd.DataFrame:
+    import pandas as pd
+
+    rows = []
+    for f in found:
+        free = np.nan
+        if f.mode.parameter:
+            free = sqrt(f.frequency**2 - _air_squared(f.shape, f.mode, springs))  # report (4-23)
+        printed = f.mode.table[car == "empty"]
+        rows.append(
+            {
+                "mode": f.mode.name,
+                "put in [Hz]": _on_air(f.mode, values, springs),
+                "found [Hz]": f.frequency,
+                "Table 4-1 [Hz]": np.nan if printed is None else printed,
+                "free [Hz]": free,
+                "block [Hz]": values.get(f.mode.parameter, np.nan),
+                "damping [%]": 100 * f.damping,
+            }
+        )
+    return pd.DataFrame(rows).set_index("mode")
+
+
+def _dataset(
+    transfer: Mapping[tuple[str, float], xr.Dataset], found: Sequence[Found], car: str
+) -> xr.Dataset:
+    import xarray as xr
+
+    data = {}
+    for (force, rear), ratios in transfer.items():
+        label = f"{force}_{'in' if rear > 0 else 'anti'}phase"
+        for name, ratio in ratios.items():
+            for part in ("real", "imag"):
+                data[f"{label}.{name}.{part}"] = getattr(ratio, part).drop_attrs()
+    for f in found:
+        data[f"decay.{f.mode.name.replace(' ', '_')}"] = f.decay
+    return xr.Dataset(data, attrs={"car": car})
+
+
+def _transfer_figure(
+    transfer: Mapping[tuple[str, float], xr.Dataset], found: Sequence[Found]
+) -> Figure:
+    """Imaginary part and phase of each force vector's transfer function, with the modes found."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    from ..plots import BLUE, MUTED, RED, STYLE
+
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(9.0, 9.0), layout="constrained")
+        grid = figure.subplots(len(transfer), 1, sharex=True)
+        for axes, (vector, ratios) in zip(grid, transfer.items(), strict=True):
+            own = [f for f in found if (f.mode.force, f.mode.rear) == vector]
+            ratio = ratios[own[0].mode.accelerometer]
+            axes.semilogx(ratio.frequency, 1e6 * ratio.imag, color=BLUE, label="imaginary part")
+            axes.semilogx(ratio.frequency, 1e6 * ratio.real, color=MUTED, lw=0.7, label="real part")
+            for f in own:
+                axes.axvline(f.frequency, color=RED, lw=0.8, ls=(0, (4, 3)))
+                axes.annotate(
+                    f"{f.mode.name}\n{f.frequency:.2f} Hz",
+                    (f.frequency, 1.0),
+                    (4, -3),
+                    xycoords=("data", "axes fraction"),
+                    textcoords="offset points",
+                    color=RED,
+                    va="top",
+                    fontsize=8,
+                )
+            axes.set_ylabel(f"{own[0].mode.accelerometer}\nover {vector[0]} [1e-6/kg(.m2)]")
+            axes.set_title(f"{vector[0]}, rear {'in' if vector[1] > 0 else 'against'} phase")
+        grid[0].legend(frameon=False, loc="upper left")
+        grid[-1].set_xlabel("frequency [Hz]")
+        figure.suptitle(
+            "Transfer functions, acceleration over force (report Figure 4-8)", ha="left", x=0.01
+        )
+        return figure
+
+
+def _decay_figure(found: Sequence[Found]) -> Figure:
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    from ..plots import BLUE, RED, STYLE
+
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(9.0, 8.0), layout="constrained")
+        grid = figure.subplots(len(found), 1, sharex=True)
+        for axes, f in zip(grid, found, strict=True):
+            late = f.decay.sel(time=slice(DWELL, None))
+            time = late.time.values - DWELL
+            axes.plot(time, late / abs(late).max(), color=BLUE, lw=0.8)
+            envelope = np.exp(-2 * pi * f.frequency * f.damping * time)
+            for sign in (1, -1):
+                axes.plot(time, sign * envelope, color=RED, lw=0.9)
+            axes.set_title(f"{f.mode.name}: {f.frequency:.2f} Hz, damping {100 * f.damping:.2f} %")
+        grid[-1].set_xlabel("time after the shakers stop [s]")
+        figure.suptitle("Decay traces (report Figure 4-9)", ha="left", x=0.01)
+        return figure
