@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Literal
 
-from .errors import CouplingError, choices
+from .errors import CouplingError
 
 Kind = Literal["Boolean", "Integer", "Enumeration"]
 
@@ -35,28 +35,26 @@ class Linear:
 
 @dataclass(frozen=True)
 class Table:
-    """Values by value: booleans, integers or names of an enumeration's items."""
+    """Values by value: booleans, integers or names of an enumeration's items.
+
+    Values without an entry stay as they are.
+    """
 
     kind: Kind
     entries: tuple[tuple[bool | int | str, bool | int | str], ...] = field(default=())
 
     def __call__(self, value: bool | int | str) -> bool | int | str:
-        """The value's target; raises CouplingError for a value that the table has not."""
-        for source, target in self.entries:
-            if source == value:
-                return target
-        raise CouplingError(
-            f"the {self.kind.lower()} map has no entry for '{value}'; "
-            f"{choices(str(value), (str(source) for source, _ in self.entries))}"
-        )
+        """The value's target; a value without an entry stays as it is."""
+        return dict(self.entries).get(value, value)
 
     def after(self, first: Table) -> Table:
-        """Both in one, `first` being applied first; raises CouplingError for a gap."""
+        """Both in one, `first` being applied first; raises CouplingError for unlike tables."""
         if first.kind != self.kind:
             raise CouplingError(
                 f"a map of kind {first.kind} cannot be followed by one of kind {self.kind}"
             )
-        return Table(self.kind, tuple((source, self(via)) for source, via in first.entries))
+        sources = dict.fromkeys(source for source, _ in (*first.entries, *self.entries))
+        return Table(self.kind, tuple((source, self(first(source))) for source in sources))
 
 
 Transformation = Linear | Table

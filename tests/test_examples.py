@@ -20,3 +20,19 @@ def test_the_hunting_example_ends_in_the_known_limit_cycle(tmp_path):
     amplitude = float(done.stdout.split(":")[1].split()[0])
     assert 9.2 < amplitude < 9.4  # mm; 9.28 by the independent reference
     assert picture.stat().st_size > 10_000
+
+
+def test_the_truck_alone_settles_and_is_the_same_as_an_archive(tmp_path):
+    archive = tmp_path / "truck.ssp"
+    done = subprocess.run(
+        [sys.executable, EXAMPLES / "truck_alone.py", archive],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    *seconds, verdict = done.stdout.splitlines()
+    amplitude = [float(line.split()[2]) for line in seconds]
+    assert amplitude == sorted(amplitude, reverse=True)
+    assert amplitude[-1] < 0.1 * amplitude[0]
+    assert verdict == "as an archive: the same to the last bit"
+    assert archive.exists()

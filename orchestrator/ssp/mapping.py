@@ -58,7 +58,10 @@ def transformation(owner: Node) -> Transformation:
         return Linear(node.number("factor", 1.0), node.number("offset", 0.0))
     for kind in get_args(Kind):
         if node.tag == kind + _SUFFIX:
-            return Table(kind, tuple(_entry(entry, kind) for entry in node.all("MapEntry")))
+            table = [_entry(entry, kind) for entry in node.all("MapEntry")]
+            if len(dict(table)) < len(table):
+                owner.fail(f"a <{node.tag}> of <{owner.tag}> has two entries for the same source")
+            return Table(kind, tuple(table))
     owner.fail(f"<{owner.tag}> has a <{node.tag}>, which SSP does not know")
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import cast
 
-from ..errors import CouplingError, UnitError
+from ..errors import UnitError
 from ..system import Value
 from ..transformation import IDENTITY, Linear, Table, Transformation
 from ..units import scale_of
@@ -64,17 +64,10 @@ class Given:
     def _transformed(self, value: float | int | bool | str, total: Transformation) -> Value:
         if total == IDENTITY:
             return value
-        try:
-            if isinstance(total, Linear) and self.kind in ("Real", "Integer"):
-                return total(float(value))
-            if (
-                isinstance(total, Table)
-                and total.kind == self.kind
-                and not isinstance(value, float)
-            ):
-                return total(value)
-        except CouplingError as error:
-            self.node.fail(f"the parameter '{self.name}': {error}")
+        if isinstance(total, Linear) and self.kind in ("Real", "Integer"):
+            return total(float(value))
+        if isinstance(total, Table) and total.kind == self.kind and not isinstance(value, float):
+            return total(value)
         what = "line" if isinstance(total, Linear) else f"map of kind {total.kind}"
         self.node.fail(
             f"the parameter '{self.name}' of kind {self.kind} cannot go through a {what}"

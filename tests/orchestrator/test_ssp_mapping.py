@@ -79,6 +79,14 @@ ENTRY = '<ssm:MappingEntry source="a" target="b">{}</ssm:MappingEntry>'
             ),
             "sends '1.5' to '2': both must be whole numbers",
         ),
+        (
+            ENTRY.format(
+                "<ssc:BooleanMappingTransformation>"
+                + 2 * '<ssc:MapEntry source="1" target="true"/>'
+                + "</ssc:BooleanMappingTransformation>"
+            ),
+            "has two entries for the same source",
+        ),
         ("<ssm:MappingEntry", "that cannot be read: not well-formed"),
     ],
 )

@@ -238,18 +238,6 @@ def test_what_nothing_takes_is_said(read):
             ssm(entry("m", "m", linear(2.0))),
             "the parameter 'm' of kind Boolean cannot go through a line",
         ),
-        (
-            {"m": 'Integer value="3"'},
-            ssm(
-                entry(
-                    "m",
-                    "m",
-                    '<ssc:IntegerMappingTransformation><ssc:MapEntry source="1" target="2"/>'
-                    "</ssc:IntegerMappingTransformation>",
-                )
-            ),
-            "the parameter 'm': the integer map has no entry for '3'; choose one of: 1",
-        ),
     ],
 )
 def test_value_that_does_not_fit(read, given, mapping, problem):
