@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 from .terminals import Terminal
-from .variables import Input, Output, Parameter, Variable
+from .variables import Input, Output, Parameter, Tangent, Variable
 
 Signals = Mapping[str, ca.SX]
 """Symbols or expressions by name: scalars, or for derived constants matrices of any shape."""
@@ -32,15 +32,6 @@ class State(Variable):
     """
 
     memory: bool = False
-
-
-@dataclass(frozen=True)
-class Tangent:
-    """The input `partial` is the derivative of `input` with respect to the block's own `output`."""
-
-    input: str
-    output: str
-    partial: str
 
 
 @dataclass(frozen=True)

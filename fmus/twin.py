@@ -1,14 +1,20 @@
-"""The Python twin of a block's FMU: the same functions, called in the same order, in Python."""
+"""The Python twin of a block's FMU: the same functions, called in the same order, in Python.
+
+`Twin` is for scripts and tests; `TwinModel` is the twin as a model, which becomes a Python FMU.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, MutableMapping
+from functools import cache
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from .block import Block
+from .model import Model, Values
 
 
 class Twin:
@@ -23,12 +29,21 @@ class Twin:
         self.p = block.parameter_vector(values)
         self.u = np.array([v.start for v in block.inputs])
         self.rate = np.zeros(len(block.inputs))
-        self.d = self.x = np.zeros(0)
+        self.d = ca.DM()  # stays CasADi's, since it may be long
+        self.x = np.zeros(0)
         self.mode = np.zeros(len(block.modes))
         self._state = {v.name: i for i, v in enumerate(block.continuous)}
         self._input = {v.name: i for i, v in enumerate(block.inputs)}
         self._output = {v.name: i for i, v in enumerate(block.outputs)}
         self._pages: dict[int, np.ndarray] = {}
+
+    def set_parameters(self, values: Mapping[str, float]) -> None:
+        """Change the parameters [SI], all of them given, and keep the state."""
+        p = self.block.parameter_vector(values)
+        if self.d.is_empty() or not np.array_equal(p, self.p):
+            self.p = p
+            self.d = self.block.functions.derived(p)
+            self._pages = {}
 
     def set(self, name: str, value: float) -> None:
         """Set an input [SI]."""
@@ -41,7 +56,7 @@ class Twin:
     def initialize(self) -> None:
         """Compute derived constants and the initial state from parameters and inputs."""
         f = self.block.functions
-        self.d = _array(f.derived(self.p))
+        self.d = f.derived(self.p)
         self.x = _array(f.initial(self.p, self.d, self.u))
         self.mode[:] = 0.0
         self._pages = {}
@@ -117,6 +132,48 @@ class Twin:
         if number not in self._pages:
             self._pages[number] = np.array(self.block.table.page(number, self.d))
         return self._pages[number][:, place]
+
+
+class TwinModel(Model):
+    """A block's twin behind the surface of a plain model. values: of all parameters [SI]."""
+
+    def __init__(self, kind: Callable[[], Block], values: Values) -> None:
+        block = _built(kind)
+        self.name, self.description = block.name, block.description
+        self.parameters, self.inputs, self.outputs = block.parameters, block.inputs, block.outputs
+        self.tangents = block.tangents
+        self._twin = Twin(block, values)
+
+    def start(self, p: Values, u: Values) -> None:
+        self._give(p, u)
+        self._twin.initialize()
+
+    def step(self, p: Values, u: MutableMapping[str, float], time: float, size: float) -> None:
+        """Advance; inputs that have a tangent follow the block's own motion."""
+        self._give(p, u)
+        self._twin.step(size)
+        u.update(zip(u, self._twin.u.tolist(), strict=True))
+
+    def output(self, p: Values, u: Values) -> Values:
+        self._give(p, u)
+        names = (output.name for output in self.outputs)
+        return dict(zip(names, self._twin.outputs().tolist(), strict=True))
+
+    def save(self) -> dict[str, Any]:
+        return {"x": self._twin.x.copy()}
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        self._twin.x = state["x"].copy()
+
+    def _give(self, p: Values, u: Values) -> None:
+        self._twin.set_parameters(p)
+        self._twin.u = np.array(list(u.values()))
+
+
+@cache
+def _built(kind: Callable[[], Block]) -> Block:
+    """The block, whose functions all its instances in a process share."""
+    return kind()
 
 
 def _array(value: ca.DM) -> np.ndarray:

@@ -49,6 +49,15 @@ class Output(Variable):
     derivative_of: str | None = None
 
 
+@dataclass(frozen=True)
+class Tangent:
+    """The input `partial` is the derivative of `input` with respect to the model's own `output`."""
+
+    input: str
+    output: str
+    partial: str
+
+
 MAX = 1.7976931348623157e308
 
 

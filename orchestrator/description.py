@@ -18,6 +18,8 @@ from .units import BaseUnit, Definitions
 
 DESCRIPTION = "modelDescription.xml"
 
+FAILURES = ("logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal")
+
 _INTERFACES = {
     "co-simulation": "CoSimulation",
     "model exchange": "ModelExchange",
@@ -61,7 +63,10 @@ class Tangent:
 
 @dataclass(frozen=True)
 class Description:
-    """An FMU for co-simulation: its variables, what it can do, and where its binary is."""
+    """An FMU for co-simulation: its variables, what it can do, and where its binary is.
+
+    failure_categories: those of the standard's log categories for what goes wrong that it has.
+    """
 
     label: str
     variables: Mapping[str, Variable]
@@ -75,6 +80,7 @@ class Description:
     model_identifier: str = ""
     binary: str = ""
     sha256: str = ""
+    failure_categories: tuple[str, ...] = ()
 
     @property
     def inputs(self) -> list[Variable]:
@@ -201,6 +207,9 @@ def survey(contents: Contents) -> Description:
         model_identifier=identifier,
         binary=contents.binary(identifier),
         sha256=hashlib.sha256(contents.path.read_bytes()).hexdigest(),
+        failure_categories=tuple(
+            c.name for c in contents.model.logCategories or () if c.name in FAILURES
+        ),
     )
 
 

@@ -143,7 +143,11 @@ class Fmi2Slave(Slave):
         finally:
             os.chdir(working_folder)
         try:
-            self._fmu.instantiate(callbacks=callbacks)
+            # Some FMUs are silent about failures unless logging is on; only these are asked for.
+            failures = description.failure_categories
+            self._fmu.instantiate(callbacks=callbacks, loggingOn=bool(failures))
+            if failures:
+                self._fmu.setDebugLogging(True, failures)
         except Exception:
             raise SlaveError(
                 f"{name}: {description.label} cannot be instantiated{self.said()}"

@@ -19,7 +19,9 @@ from fmpy.fmi2 import (
 class FmuInstance:
     """An instantiated FMU that keeps what it logs in `messages`."""
 
-    def __init__(self, path: Path, name: str = "instance", guid: str | None = None) -> None:
+    def __init__(
+        self, path: Path, name: str = "instance", guid: str | None = None, in_python: bool = False
+    ) -> None:
         self.description = read_model_description(str(path))
         self.folder = extract(str(path))
         self.variables = {v.name: v for v in self.description.modelVariables}
@@ -31,22 +33,22 @@ class FmuInstance:
             instanceName=name,
         )
         callbacks = fmi2CallbackFunctions()
-        # The standard's logger is variadic; our FMUs pass the format "%s" and one string.
+        # The standard's logger is variadic; native FMUs pass the format "%s" and one string,
+        # those of pythonfmu a format alone, and only when logging is on.
         logger = ctypes.CFUNCTYPE(
             None,
             fmi2ComponentEnvironment,
             ctypes.c_char_p,
             ctypes.c_int,
             ctypes.c_char_p,
-            ctypes.c_char_p,
-            ctypes.c_char_p,
+            *[ctypes.c_char_p] * (1 if in_python else 2),
         )(self._log)
         self._keep = logger
         callbacks.logger = ctypes.cast(logger, fmi2CallbackLoggerTYPE)
-        self.slave.instantiate(callbacks=callbacks)
+        self.slave.instantiate(callbacks=callbacks, loggingOn=in_python)
 
-    def _log(self, _env, _name, _status, _category, _format, message) -> None:
-        self.messages.append(message.decode())
+    def _log(self, _env, _name, _status, _category, text, *arguments) -> None:
+        self.messages.append((text % arguments).decode())
 
     def vr(self, *names: str) -> list[int]:
         return [self.variables[name].valueReference for name in names]

@@ -145,3 +145,6 @@ LOOP_RATE = 5e-3
 
 SURVEY_FREQUENCY = 1e-3
 """Quadrature peak against eigenvalues: damping of 3 % moves the peak by its square."""
+
+FLAVORS_IN_THE_CAR = 1e-10
+"""Coupled car with one block native or in Python: parity, which friction and flanges let grow."""

@@ -53,7 +53,8 @@ main.add_command(study)
 Examples:
   tracktrain build --out my-fmus
   tracktrain build --target all
-  tracktrain build --target host --target windows-x86_64"""
+  tracktrain build --target host --target windows-x86_64
+  tracktrain build --flavor python"""
 )
 @click.option(
     "--target",
@@ -65,6 +66,14 @@ Examples:
     "windows-x86_64, macos-x86_64 or macos-arm64. Repeatable.  [default: host]",
 )
 @click.option(
+    "--flavor",
+    "flavors",
+    type=Name("flavor", ("native", "python")),
+    multiple=True,
+    default=("native",),
+    help="Compiled, or Python sources to read and to change. Repeatable.  [default: native]",
+)
+@click.option(
     "--out",
     type=click.Path(path_type=Path),
     default=Path("tracktrain-fmus"),
@@ -72,19 +81,26 @@ Examples:
     metavar="DIR",
     help="Folder to write to.",
 )
-def build(targets: tuple[str, ...], out: Path) -> None:
+def build(targets: tuple[str, ...], flavors: tuple[str, ...], out: Path) -> None:
     """Write carbody.fmu, truck.fmu, wheelrail.fmu and track.fmu.
 
-    The first build for Windows compiles the C runtime too, which takes about a minute.
+    The first build for Windows compiles the C runtime too, which takes about a minute. The Python
+    flavor writes carbody_python.fmu and so on, which need Python with casadi and numpy.
     """
     with clear_errors():
         from fmus import BLOCKS
-        from fmus.export import build as build_fmus
+        from fmus.export import build as build_native
+        from fmus.export.python import build_python
 
         folder = writable(out)
         for name in BLOCKS:
-            path = build_fmus(folder, [name], targets)[name]
-            click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
+            paths = []
+            if "native" in flavors:
+                paths.append(build_native(folder, [name], targets)[name])
+            if "python" in flavors:
+                paths.append(build_python(name, folder))
+            for path in paths:
+                click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
 
 
 @main.command(

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from xml.etree.ElementTree import Element, SubElement
 
 import casadi as ca
 
 from ..block import Block
+from ..model import Model
 from ..variables import Output, Parameter, Variable, limits
 from .code import NATIVE
 from .units import DISPLAY, unit_definitions
@@ -19,78 +21,122 @@ STEP_SIZE = 1e-3
 STOP_TIME = 8.0
 
 
+Dependencies = Mapping[str, Iterable[str]]
+"""Names of the variables on which each unknown depends, by its name."""
+
+
+@dataclass(frozen=True)
+class Interface:
+    """An element such as `CoSimulation`: what the FMU's binary can do, and its C files if any."""
+
+    tag: str
+    attributes: Mapping[str, str]
+    sources: Sequence[str] = ()
+
+
 def model_description(block: Block, start: Mapping[str, float], guid: str, version: str) -> str:
-    """XML text of modelDescription.xml. start: parameter values [SI]."""
+    """XML text of a native FMU's modelDescription.xml. start: parameter values [SI]."""
+    indicators = str(block.functions.event_indicators.numel_out())
+    return described(
+        block,
+        start,
+        guid,
+        {**ours(version), "numberOfEventIndicators": indicators},
+        _interfaces(block),
+        dependencies(block),
+        initial_dependencies(block),
+    )
+
+
+def described(
+    model: Block | Model,
+    start: Mapping[str, float],
+    guid: str,
+    head: Mapping[str, str],
+    interfaces: Iterable[Interface],
+    now: Dependencies,
+    at_start: Dependencies,
+) -> str:
+    """XML text of modelDescription.xml of any FMU that we make.
+
+    head: author, licence and the like. now, at_start: what the unknowns depend on during a run,
+    and their first values.
+    """
     root = Element(
         "fmiModelDescription",
-        fmiVersion="2.0",
-        modelName=block.name,
-        guid=guid,
-        description=block.description,
-        author="The tracktrain authors",
-        version=version,
-        copyright="The tracktrain authors, MIT licence",
-        license="MIT",
-        generationTool=f"tracktrain {version}",
-        variableNamingConvention="structured",
-        numberOfEventIndicators=str(block.functions.event_indicators.numel_out()),
+        {
+            "fmiVersion": "2.0",
+            "modelName": model.name,
+            "guid": guid,
+            "description": model.description,
+            "variableNamingConvention": "structured",
+            **head,
+        },
     )
-    _interfaces(root, block)
+    for interface in interfaces:
+        element = SubElement(root, interface.tag, dict(interface.attributes))
+        if interface.sources:
+            files = SubElement(element, "SourceFiles")
+            for name in interface.sources:
+                SubElement(files, "File", name=name)
     variables: Sequence[Variable] = [
-        *block.parameters,
-        *block.inputs,
-        *block.outputs,
-        *block.locals,
+        *model.parameters,
+        *model.inputs,
+        *model.outputs,
+        *model.locals,
     ]
     root.append(unit_definitions({v.unit for v in variables if _is_real(v)}))
-    _type_definitions(root, block)
+    _type_definitions(root, model)
     categories = SubElement(root, "LogCategories")
     SubElement(categories, "Category", name="logStatusWarning", description="Warnings")
     SubElement(categories, "Category", name="logStatusError", description="Why a call was refused")
     SubElement(
         root, "DefaultExperiment", startTime="0", stopTime=repr(STOP_TIME), stepSize=repr(STEP_SIZE)
     )
-    _vendor_annotations(root, block)
-    _variables(root, block, start)
-    _structure(root, block)
+    _vendor_annotations(root, model)
+    _variables(root, model, start)
+    _structure(root, model, now, at_start)
     return document(root)
 
 
-def _interfaces(root: Element, block: Block) -> None:
+def ours(version: str) -> dict[str, str]:
+    """Who made the blocks, with what, and what others may do with them."""
+    return {
+        "author": "The tracktrain authors",
+        "version": version,
+        "copyright": "The tracktrain authors, MIT licence",
+        "license": "MIT",
+        "generationTool": f"tracktrain {version}",
+    }
+
+
+def _interfaces(block: Block) -> list[Interface]:
     in_both = {
+        "modelIdentifier": block.name,
         "canBeInstantiatedOnlyOncePerProcess": "false",
         "canNotUseMemoryManagementFunctions": "true",
         "canGetAndSetFMUstate": "true",
         "canSerializeFMUstate": "true",
         "providesDirectionalDerivative": "true",
     }
-    exchange = SubElement(
-        root,
-        "ModelExchange",
-        in_both,
-        modelIdentifier=block.name,
-        completedIntegratorStepNotNeeded="false" if block.memory else "true",
-    )
-    slave = SubElement(
-        root,
-        "CoSimulation",
-        in_both,
-        modelIdentifier=block.name,
-        canHandleVariableCommunicationStepSize="true",
-        canInterpolateInputs="true",
-        maxOutputDerivativeOrder="0",
-    )
-    for element in (exchange, slave):
-        files = SubElement(element, "SourceFiles")
-        for name in ("block.c", *sorted(path.name for path in NATIVE.glob("*.c"))):
-            SubElement(files, "File", name=name)
+    exchange = {"completedIntegratorStepNotNeeded": "false" if block.memory else "true"}
+    slave = {
+        "canHandleVariableCommunicationStepSize": "true",
+        "canInterpolateInputs": "true",
+        "maxOutputDerivativeOrder": "0",
+    }
+    sources = ("block.c", *sorted(path.name for path in NATIVE.glob("*.c")))
+    return [
+        Interface("ModelExchange", {**in_both, **exchange}, sources),
+        Interface("CoSimulation", {**in_both, **slave}, sources),
+    ]
 
 
 def _is_real(variable: Variable) -> bool:
     return not isinstance(variable, Parameter) or variable.kind == "real"
 
 
-def _type_definitions(root: Element, block: Block) -> None:
+def _type_definitions(root: Element, block: Block | Model) -> None:
     enumerations = [p for p in block.parameters if p.kind == "enumeration"]
     if not enumerations:
         return
@@ -102,7 +148,7 @@ def _type_definitions(root: Element, block: Block) -> None:
             SubElement(element, "Item", name=choice, value=str(number))
 
 
-def _vendor_annotations(root: Element, block: Block) -> None:
+def _vendor_annotations(root: Element, block: Block | Model) -> None:
     if not block.tangents:
         return
     tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", name="tracktrain")
@@ -117,7 +163,7 @@ def _vendor_annotations(root: Element, block: Block) -> None:
         )
 
 
-def _variables(root: Element, block: Block, start: Mapping[str, float]) -> None:
+def _variables(root: Element, block: Block | Model, start: Mapping[str, float]) -> None:
     """ScalarVariables in the order of their value references, from 1."""
     model = SubElement(root, "ModelVariables")
     references = block.references
@@ -185,12 +231,13 @@ def _bounds(parameter: Parameter) -> dict[str, str]:
     return bounds
 
 
-def _structure(root: Element, block: Block) -> None:
+def _structure(
+    root: Element, block: Block | Model, now: Dependencies, at_start: Dependencies
+) -> None:
     structure = SubElement(root, "ModelStructure")
     reference = block.references
-    now, at_start = dependencies(block), initial_dependencies(block)
 
-    def unknowns(tag: str, variables: Iterable[str], on: Mapping[str, Iterable[str]]) -> None:
+    def unknowns(tag: str, variables: Iterable[str], on: Dependencies) -> None:
         group = SubElement(structure, tag)
         for name in variables:
             SubElement(

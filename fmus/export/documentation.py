@@ -9,6 +9,7 @@ from pathlib import Path
 from markdown_it import MarkdownIt
 
 from ..block import Block, Parameter, Variable
+from ..model import Model
 from ..parameters import ParameterSet
 
 STYLE = """
@@ -19,8 +20,16 @@ td, th { border-bottom: 1px solid #ccc; padding: .2rem .6rem; text-align: left;
 """
 
 
-def documentation(block: Block, parameters: ParameterSet, start: Mapping[str, float]) -> str:
-    """HTML page of the block: ports, parameters [SI] with basis and source, equations."""
+def documentation(
+    block: Block | Model,
+    parameters: ParameterSet | None,
+    start: Mapping[str, float],
+    readme: Path | None = None,
+) -> str:
+    """HTML page of the block: ports, parameters [SI] with basis and source, equations.
+
+    The equations are in the README of the block's own folder, or in another one that is given.
+    """
     page = [
         "<!DOCTYPE html>",
         f'<html lang="en"><head><meta charset="utf-8"><title>{escape(block.name)}</title>',
@@ -40,14 +49,14 @@ def documentation(block: Block, parameters: ParameterSet, start: Mapping[str, fl
             [_parameter_row(v, parameters, start) for v in block.parameters],
         ),
     ]
-    readme = Path(__file__).parent.parent / block.name / "README.md"
+    readme = readme or Path(__file__).parent.parent / block.name / "README.md"
     if readme.exists():
         page.append(MarkdownIt("commonmark").enable("table").render(readme.read_text()))
     page.append("</body></html>")
     return "\n".join(page) + "\n"
 
 
-def _local_variables(block: Block) -> list[str]:
+def _local_variables(block: Block | Model) -> list[str]:
     if not block.locals:
         return []
     table = _table(("name", "unit", "meaning"), [_row(v) for v in block.locals])
@@ -59,13 +68,13 @@ def _row(variable: Variable) -> tuple[str, str, str]:
 
 
 def _parameter_row(
-    parameter: Parameter, parameters: ParameterSet, start: Mapping[str, float]
+    parameter: Parameter, parameters: ParameterSet | None, start: Mapping[str, float]
 ) -> tuple[str, ...]:
     value = start[parameter.name]
     shown = f"{value:.6g}"
     if parameter.choices:
         shown = f"{parameter.choices[int(value) - 1]} (of {', '.join(parameter.choices)})"
-    entry = parameters.entry(parameter.name)
+    entry = parameters.entry(parameter.name) if parameters else None
     basis, source = (entry.basis, entry.source) if entry else ("option", "default of the block")
     return (
         parameter.name,

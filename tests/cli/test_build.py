@@ -57,6 +57,20 @@ def test_every_block_is_built_for_the_targets_that_are_asked_for(
         assert f"{name}.fmu  " in result.stdout
 
 
+def test_python_flavor_is_written_beside_the_native_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    without_compiling(monkeypatch)
+    both = ("--flavor", "native", "--flavor", "python")
+    result = CliRunner().invoke(main, ["build", "--out", str(tmp_path), *both])
+    assert result.exit_code == 0, result.stderr
+    assert {path.stem for path in tmp_path.iterdir()} == {
+        *NAMES,
+        *(f"{name}_python" for name in NAMES),
+    }
+    assert platforms(tmp_path / "truck_python.fmu") == {"linux64", "win64"}
+
+
 def test_unknown_target_is_refused_with_the_choices(tmp_path: Path) -> None:
     result = CliRunner().invoke(main, ["build", "--out", str(tmp_path), "--target", "linux"])
     assert result.exit_code == 2

@@ -1,0 +1,51 @@
+"""The Python flavour of a block: its CasADi sources, evaluated by CasADi's virtual machine."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ... import BLOCKS
+from ...parameters import DEFAULT_SET, parameter_set
+from ...twin import TwinModel
+from ..accompanying import accompanying_files
+from ..archive import NO_GUID
+from ..build import VERSION
+from ..description import dependencies, described, initial_dependencies, ours
+from .assembly import Recipe, write
+from .sources import FMUS, Sources
+
+
+def build_python(name: str, out: Path) -> Path:
+    """Write NAME_python.fmu of a block into the folder and return its path."""
+    kind = BLOCKS[name]
+    block = kind()
+    parameters = parameter_set(DEFAULT_SET)
+    start = parameters.values(block)
+    sources = Sources()
+    module = f"fmus.{name}"
+    for needed in ("fmus.slave", "fmus.twin", module):
+        sources.add(needed)
+    sources.add_data(FMUS / name, f"fmus/{name}")
+    recipe = Recipe(
+        f"{name}_python",
+        sources,
+        module=module,
+        model=kind.__name__,
+        create=f"TwinModel({kind.__name__}, self.start_values)",
+        start=start,
+        imports={"fmus.twin": "TwinModel"},
+    )
+    outputs = {v.name for v in block.outputs}
+    now, at_start = (
+        {
+            name: [k for k in known if k not in outputs]
+            for name, known in on.items()
+            if name in outputs
+        }
+        for on in (dependencies(block), initial_dependencies(block))
+    )
+    description = described(
+        TwinModel(kind, start), start, NO_GUID, ours(VERSION), [recipe.interface], now, at_start
+    )
+    out.mkdir(parents=True, exist_ok=True)
+    return write(out, recipe, description, accompanying_files(block, parameters, start))

@@ -1,0 +1,67 @@
+"""A model in plain Python that becomes an FMU; import from here what such a model needs.
+
+`fmus.export.python.pack` makes the FMU, and takes along what the model imports from `fmus`.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping, MutableMapping, Sequence
+from typing import Any
+
+from .variables import Input, Output, Parameter, Tangent, Variable
+
+__all__ = ["Input", "Model", "Output", "Parameter", "Tangent", "Values"]
+
+Values = Mapping[str, float]
+"""Numbers [SI] by the names of variables."""
+
+
+class Model:
+    """What an FMU in Python computes. Subclasses state variables and `output`, most of them `step`.
+
+    All that a model keeps in `self` is its state, which a master may save, restore and store as
+    bytes: numbers, booleans, text, numpy arrays, and lists, tuples or dicts of these.
+
+    feedthrough: for each output that an input changes within the same instant, those inputs.
+    """
+
+    name: str
+    description: str
+    parameters: Sequence[Parameter] = ()
+    inputs: Sequence[Input] = ()
+    outputs: Sequence[Output]
+    tangents: Sequence[Tangent] = ()
+    feedthrough: Mapping[str, Sequence[str]] = {}
+
+    locals: Sequence[Variable] = ()
+    derivatives: Sequence[Output] = ()
+    """What Model Exchange needs besides, which a model in Python does not offer."""
+
+    def start(self, p: Values, u: Values) -> None:
+        """Set the state at the start of a run, from parameters and inputs.
+
+        It is called whenever one of these changes before the run begins.
+        """
+
+    def step(self, p: Values, u: MutableMapping[str, float], time: float, size: float) -> None:
+        """Advance the state from `time` [s] by `size` [s], the inputs held."""
+
+    def output(self, p: Values, u: Values) -> Values:
+        """Value of each output, from the state, the parameters and the inputs as they are."""
+        raise NotImplementedError
+
+    @property
+    def references(self) -> dict[str, int]:
+        """FMI's value reference of each variable by name, in their order."""
+        variables = (*self.parameters, *self.inputs, *self.outputs)
+        return {v.name: n for n, v in enumerate(variables, start=1)}
+
+    def save(self) -> dict[str, Any]:
+        """A copy of the state."""
+        return copy.deepcopy(vars(self))
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Put back a state that was saved."""
+        vars(self).clear()
+        vars(self).update(copy.deepcopy(dict(state)))
