@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from ..errors import OrchestratorError, SspError
 from ..system import Value
@@ -12,7 +12,6 @@ from .connections import Network, Port, Step, step_to
 from .mapping import MapEntry, entries
 from .structure import Binding, Element, is_variable
 from .values import Given, read_parameters
-from .xml import Node, check, parse
 
 SET_TYPE = "application/x-ssp-parameter-set"
 MAP_TYPE = "application/x-ssp-parameter-mapping"
@@ -98,7 +97,7 @@ def _parameter_set(element: Element, binding: Binding) -> tuple[str, list[Given]
     if node.get("type", SET_TYPE) != SET_TYPE:
         document.node.fail(f"{wanted} is of type '{node.get('type')}'; {SET_TYPE} can be read")
     inline = node.find("ParameterValues")
-    root = _inside(binding, node, inline, "ParameterSet", wanted, element)
+    root = document.part(node, inline, "ParameterSet", wanted, element.fmu)
     return root.file, read_parameters(root)
 
 
@@ -124,19 +123,4 @@ def _map(element: Element, binding: Binding, names: Iterable[str]) -> tuple[MapE
         binding.document.node.fail(
             f"{wanted} is of type '{node.get('type')}'; {MAP_TYPE} can be read"
         )
-    return entries(_inside(binding, node, node, "ParameterMapping", wanted, element))
-
-
-def _inside(
-    binding: Binding, node: Node, inline: Node | None, root: str, wanted: str, element: Element
-) -> Node:
-    """The root of what a binding or a map refers to, or holds itself."""
-    document = binding.document
-    if node.has("source"):
-        return parse(*document.content(node, wanted, element.fmu), root)
-    found = inline.find(root) if inline else None
-    if found is None:
-        document.node.fail(f"{wanted} has neither a source nor a <{root}> in it")
-    found = replace(found, file=document.label)
-    check(found, root)
-    return found
+    return entries(binding.document.part(node, node, "ParameterMapping", wanted, element.fmu))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
@@ -13,7 +13,7 @@ from ..archive import open_archive
 from ..description import open_fmu
 from ..errors import SspError, choices
 from ..units import BaseUnit
-from .xml import Node, parse
+from .xml import Node, check, parse
 
 DEFAULT = "SystemStructure.ssd"
 """The variant of an archive that is meant where none is named."""
@@ -54,10 +54,25 @@ class Document:
             )
         return path, unquote(parts.fragment)
 
-    def content(self, binding: Node, wanted: str, component: Path | None) -> tuple[bytes, str]:
-        """What the `source` of a binding or a map refers to, and its name for messages."""
-        uri = binding.get("source")
-        if binding.get("sourceBase", "SSD") == "SSD":
+    def part(
+        self, node: Node, inline: Node | None, root: str, wanted: str, fmu: Path | None = None
+    ) -> Node:
+        """What a binding, map or dictionary refers to by its `source`, or else holds inline.
+
+        root: the name that it begins with. fmu: the component that a source may be inside of.
+        """
+        if node.has("source"):
+            return parse(*self._content(node, wanted, fmu), root)
+        found = inline.find(root) if inline else None
+        if found is None:
+            self.node.fail(f"{wanted} has neither a source nor a <{root}> in it")
+        found = replace(found, file=self.label)
+        check(found, root)
+        return found
+
+    def _content(self, node: Node, wanted: str, component: Path | None) -> tuple[bytes, str]:
+        uri = node.get("source")
+        if node.get("sourceBase", "SSD") == "SSD":
             path, _ = self.place(uri, wanted)
             return path.read_bytes(), f"{self.label}: {uri}"
         if component is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ..description import Description, Variable, describe
@@ -14,6 +14,7 @@ from .xml import Node
 FMU = "application/x-fmu-sharedlibrary"
 SSD = "application/x-ssp-definition"
 SSP = "application/x-ssp-package"
+SSB = "application/x-ssp-signal-dictionary"
 
 DEEPEST = 32
 """Systems nested deeper than this contain themselves."""
@@ -47,7 +48,7 @@ class Binding:
 
 @dataclass(frozen=True, eq=False)
 class Element:
-    """A component (with an FMU) or a system (with elements and connections)."""
+    """A component (with an FMU), a system (with elements and connections), or a dictionary."""
 
     name: str
     path: tuple[str, ...]
@@ -93,37 +94,33 @@ def read_structure(document: Document) -> Element:
     system = document.node.find("System")
     if system is None:
         document.node.fail("it has no <System>")
-    return _system(system, document, ())
+    return _system(system, document, (), {})
+
+
+Dictionaries = Mapping[str, Element]
+"""Signal dictionaries that a system sees, its own before those of the systems around it."""
 
 
 def _system(
     node: Node,
     document: Document,
     path: tuple[str, ...],
+    around: Dictionaries,
     name: str | None = None,
     more: tuple[Binding, ...] = (),
 ) -> Element:
     """A System element; `more` are bindings of a component that stands for it."""
     if len(path) > DEEPEST:
         document.node.fail(f"the system '{node.get('name')}' is nested in itself, without end")
-    if (dictionary := node.find("SignalDictionaries")) or node.find(
-        "Elements", "SignalDictionaryReference"
-    ):
-        reference = dictionary.find("SignalDictionary") if dictionary else None
-        label = f" '{reference.get('name')}'" if reference else ""
-        document.node.fail(
-            f"the system '{node.get('name')}' uses a signal dictionary{label}, which is not "
-            "supported; connect the elements directly"
-        )
+    seen = {**around, **read_dictionaries(node, document)}
     elements: dict[str, Element] = {}
     for group in node.all("Elements"):
         for child in group:
             inner = child.need("name")
             if inner in elements:
                 document.node.fail(f"the system '{node.get('name')}' has two elements '{inner}'")
-            below = (*path, inner)
-            made = _component if child.tag == "Component" else _system
-            elements[inner] = made(child, document, below)
+            made = {"Component": _component, "System": _system}.get(child.tag, _dictionary)
+            elements[inner] = made(child, document, (*path, inner), seen)
     return Element(
         name=name or node.need("name"),
         path=path,
@@ -136,20 +133,40 @@ def _system(
     )
 
 
-def _component(node: Node, document: Document, path: tuple[str, ...]) -> Element:
+def _dictionary(
+    node: Node, document: Document, path: tuple[str, ...], around: Dictionaries
+) -> Element:
+    """The dictionary that a SignalDictionaryReference means: one for all that refer to it."""
+    if node.tag != "SignalDictionaryReference":
+        document.node.fail(f"<{node.tag}> is no element of a system that SSP knows")
+    name, label = node.need("dictionary"), f"the signal dictionary reference '{'.'.join(path)}'"
+    if name not in around:
+        document.node.fail(f"{label} refers to '{name}'; {choices(name, around)}")
+    for connector in _connectors(node):
+        if connector not in around[name].connectors:
+            document.node.fail(
+                f"{label} has a connector '{connector}', which is no entry of '{name}'; "
+                f"{choices(connector, around[name].connectors)}"
+            )
+    return around[name]
+
+
+def _component(
+    node: Node, document: Document, path: tuple[str, ...], around: Dictionaries
+) -> Element:
     name, label = path[-1], f"the component '{'.'.join(path)}'"
     if not node.has("source"):
         document.node.fail(f"{label} has no source: a design without an implementation")
     kind, source = node.get("type", FMU), node.get("source")
     if source.startswith("#"):
-        return _reference(node, document, path)
+        return _reference(node, document, path, around)
     place, fragment = document.place(source, label)
     if kind in (SSD, SSP) or (not node.has("type") and place.suffix.lower() in (".ssd", ".ssp")):
         nested, _ = open_document(place, fragment or None)
         system = nested.node.find("System")
         if system is None:
             nested.node.fail("it has no <System>")
-        return _system(system, nested, path, name, _bindings(node, document))
+        return _system(system, nested, path, around, name, _bindings(node, document))
     if kind != FMU:
         document.node.fail(f"{label} is of type '{kind}'; {choices(kind, (FMU, SSD, SSP))}")
     implementation = node.get("implementation", "any")
@@ -164,7 +181,9 @@ def _component(node: Node, document: Document, path: tuple[str, ...]) -> Element
     return element
 
 
-def _reference(node: Node, document: Document, path: tuple[str, ...]) -> Element:
+def _reference(
+    node: Node, document: Document, path: tuple[str, ...], around: Dictionaries
+) -> Element:
     """A component that stands for a system of the same file."""
     wanted = node.get("source")[1:]
     systems = [
@@ -176,7 +195,7 @@ def _reference(node: Node, document: Document, path: tuple[str, ...]) -> Element
             f"the component '{'.'.join(path)}' refers to the system '#{wanted}'; "
             f"{choices(wanted, named)}"
         )
-    return _system(named[wanted], document, path, path[-1], _bindings(node, document))
+    return _system(named[wanted], document, path, around, path[-1], _bindings(node, document))
 
 
 def _bindings(node: Node, document: Document) -> tuple[Binding, ...]:
@@ -184,15 +203,33 @@ def _bindings(node: Node, document: Document) -> tuple[Binding, ...]:
 
 
 def _connectors(node: Node) -> Mapping[str, Connector]:
-    connectors = {}
-    for connector in node.all("Connectors", "Connector"):
-        kind = next((child for child in connector if child.tag in TYPES), None)
-        connectors[connector.need("name")] = Connector(
-            connector.need("kind"),
-            kind.tag if kind else None,
-            kind.element.get("unit") if kind else None,
-        )
-    return connectors
+    return {
+        connector.need("name"): _connector(connector, connector.need("kind"))
+        for connector in node.all("Connectors", "Connector")
+    }
+
+
+def _connector(node: Node, kind: str) -> Connector:
+    typed = next((child for child in node if child.tag in TYPES), None)
+    if typed is None:
+        return Connector(kind)
+    return Connector(kind, typed.tag, typed.get("unit") or None)
+
+
+def read_dictionaries(system: Node, document: Document) -> Dictionaries:
+    """A system's signal dictionaries by name, their entries being connectors of either kind."""
+    found = {}
+    for node in system.all("SignalDictionaries", "SignalDictionary"):
+        name = node.need("name")
+        label = f"the signal dictionary '{name}'"
+        if node.get("type", SSB) != SSB:
+            document.node.fail(f"{label} is of type '{node.get('type')}'; {SSB} can be read")
+        root = document.part(node, node, "SignalDictionary", label)
+        entries = {
+            entry.need("name"): _connector(entry, "inout") for entry in root.all("DictionaryEntry")
+        }
+        found[name] = Element(name, (name,), replace(document, node=root), entries, ())
+    return found
 
 
 def _check_connector(element: Element, name: str) -> None:

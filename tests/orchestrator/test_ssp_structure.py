@@ -9,6 +9,7 @@ import pytest
 import tolerances
 from native_slaves import build_damper, build_mass
 from ssp_archives import (
+    UNITS,
     bindings,
     component,
     connection,
@@ -84,6 +85,26 @@ def test_start_and_end_do_not_say_which_way_values_flow(archive):
         Connection("damper.force", "mass.force"),
         Connection("mass.v", "damper.v"),
     }
+
+
+def dictionary(name: str, **entries: str) -> str:
+    """A system's signal dictionary of entries such as `Real unit="N"`."""
+    inside = "".join(
+        f'<ssb:DictionaryEntry name="{entry}"><ssc:{typed}/></ssb:DictionaryEntry>'
+        for entry, typed in entries.items()
+    )
+    return (
+        f'<ssd:SignalDictionaries><ssd:SignalDictionary name="{name}">'
+        f'<ssb:SignalDictionary version="1.0">{inside}{UNITS.format("ssb")}</ssb:SignalDictionary>'
+        "</ssd:SignalDictionary></ssd:SignalDictionaries>"
+    )
+
+
+def bus(name: str, dictionary: str, *signals: str) -> str:
+    return (
+        f'<ssd:SignalDictionaryReference name="{name}" dictionary="{dictionary}">'
+        f"{connectors(**dict.fromkeys(signals, 'inout'))}</ssd:SignalDictionaryReference>"
+    )
 
 
 def nested(*inner: str, **of_system: str) -> str:
@@ -225,6 +246,36 @@ def test_bare_description_beside_its_fmus(fmus, tmp_path):
         read_ssp(tmp_path / "car.ssd", "other")
 
 
+def test_signals_go_through_dictionaries_from_system_to_system(archive):
+    """One writes, the other reads, in kilonewtons on the way; both refer to the outer bus."""
+    giver = system(
+        "giver",
+        connectors(v="input")
+        + elements(component("d", DAMPER), bus("out", "can", "pull"))
+        + connections(connection(".v", "d.v"), connection("d.force", "out.pull", linear(2.0))),
+    )
+    taker = system(
+        "taker",
+        connectors(v="output")
+        + elements(component("mass", MASS), bus("in", "can", "pull"))
+        + connections(connection("in.pull", "mass.force"), connection("mass.v", ".v")),
+    )
+    text = elements(giver, taker) + connections(connection("taker.v", "giver.v"))
+    read = read_ssp(archive(ssd(text + dictionary("can", pull='Real unit="kN"'))))
+    assert links(read) == {
+        Connection("taker:mass.v", "giver:d.v"),
+        Connection("giver:d.force", "taker:mass.force", Linear(2.0), True),
+    }
+    inside = text + dictionary("can", pull="Real")
+    twice = inside.replace(
+        '<ssd:Connections><ssd:Connection  startElement="in"',
+        f'<ssd:Connections>{connection("mass.x", "in.pull")}<ssd:Connection  startElement="in"',
+    )
+    assert "can.pull is driven twice: by giver.d.force and by taker.mass.x" in refusal(
+        archive(ssd(twice))
+    )
+
+
 def test_variants_are_chosen_by_file_or_by_name(archive):
     path = archive(ssd(PAIR), **{"stiff.ssd": ssd(PAIR + connections(FORCE), name="the stiff one")})
     for name in ("stiff.ssd", "stiff", "the stiff one"):
@@ -352,11 +403,17 @@ def test_what_is_for_other_tools_is_said(archive):
             "the component 'a' refers to the system '#nothing'; there are none",
         ),
         (
-            elements(
-                '<ssd:SignalDictionaryReference name="bus" dictionary="can"/>',
-            )
-            + '<ssd:SignalDictionaries><ssd:SignalDictionary name="can"/></ssd:SignalDictionaries>',
-            "the system 'root' uses a signal dictionary 'can', which is not supported",
+            elements('<ssd:SignalDictionaryReference name="bus" dictionary="can"/>'),
+            "the signal dictionary reference 'bus' refers to 'can'; there are none",
+        ),
+        (
+            elements(bus("bus", "can", "pul")) + dictionary("can", pull="Real"),
+            "the signal dictionary reference 'bus' has a connector 'pul', which is no entry of "
+            "'can'; did you mean pull?",
+        ),
+        (
+            '<ssd:SignalDictionaries><ssd:SignalDictionary name="can"/></ssd:SignalDictionaries>',
+            "the signal dictionary 'can' has neither a source nor a <SignalDictionary> in it",
         ),
     ],
 )
