@@ -37,7 +37,8 @@ SLIDER_MARGIN = 1e-6
 def slider_mode(strain: ca.SX, slip: ca.SX, reach: ca.SX, mode: ca.SX) -> ca.SX:
     """0 stuck, +1 or -1 slipping that way, from the mode and the slip before `slip_after`."""
     ahead = strain - slip
-    gives_way = ca.fabs(ahead) > (1 + SLIDER_MARGIN) * reach
+    # Half of the indicator's margin: a crossing may be located a little before or after it.
+    gives_way = ca.fabs(ahead) > (1 + SLIDER_MARGIN / 2) * reach
     slips_on = mode * ahead >= (1 - SLIDER_MARGIN) * reach
     return ca.if_else(gives_way, ca.sign(ahead), ca.if_else(slips_on, mode, 0))
 

@@ -15,8 +15,8 @@ def instantiate() -> Iterator[Callable[..., FmuInstance]]:
     """Instantiate a block's FMU by name; all are freed when the test ends."""
     open_instances: list[FmuInstance] = []
 
-    def make(block: str, name: str = "instance") -> FmuInstance:
-        open_instances.append(FmuInstance(fmu_path(block), name))
+    def make(block: str, name: str = "instance", **kind: bool) -> FmuInstance:
+        open_instances.append(FmuInstance(fmu_path(block), name, **kind))
         return open_instances[-1]
 
     yield make

@@ -1,14 +1,15 @@
-"""One FMI 2.0 co-simulation instance through FMPy, by variable names, for the tests."""
+"""One FMI 2.0 instance through FMPy, by variable names, for the tests."""
 
 from __future__ import annotations
 
 import ctypes
 import shutil
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import (
+    FMU2Model,
     FMU2Slave,
     fmi2CallbackFunctions,
     fmi2CallbackLoggerTYPE,
@@ -17,20 +18,32 @@ from fmpy.fmi2 import (
 
 
 class FmuInstance:
-    """An instantiated FMU that keeps what it logs in `messages`."""
+    """An instantiated FMU that keeps what it logs in `messages`.
+
+    `slave` has the functions of the interface that it is for, `stepped` those of co-simulation.
+    """
 
     def __init__(
-        self, path: Path, name: str = "instance", guid: str | None = None, in_python: bool = False
+        self,
+        path: Path,
+        name: str = "instance",
+        guid: str | None = None,
+        *,
+        in_python: bool = False,
+        model_exchange: bool = False,
     ) -> None:
         self.description = read_model_description(str(path))
         self.folder = extract(str(path))
         self.variables = {v.name: v for v in self.description.modelVariables}
         self.messages: list[str] = []
-        self.slave = FMU2Slave(
-            guid=guid or self.description.guid,
-            unzipDirectory=self.folder,
-            modelIdentifier=self.description.coSimulation.modelIdentifier,
-            instanceName=name,
+        self.slave, self.stepped = (
+            kind(
+                guid=guid or self.description.guid,
+                unzipDirectory=self.folder,
+                modelIdentifier=self.description.coSimulation.modelIdentifier,
+                instanceName=name,
+            )
+            for kind in (FMU2Model if model_exchange else FMU2Slave, FMU2Slave)
         )
         callbacks = fmi2CallbackFunctions()
         # The standard's logger is variadic; native FMUs pass the format "%s" and one string,
@@ -46,6 +59,7 @@ class FmuInstance:
         self._keep = logger
         callbacks.logger = ctypes.cast(logger, fmi2CallbackLoggerTYPE)
         self.slave.instantiate(callbacks=callbacks, loggingOn=in_python)
+        self.stepped.component = self.slave.component
 
     def _log(self, _env, _name, _status, _category, text, *arguments) -> None:
         self.messages.append((text % arguments).decode())
@@ -73,6 +87,35 @@ class FmuInstance:
         self.slave.exitInitializationMode()
         return self
 
+    @property
+    def state_count(self) -> int:
+        return self.description.numberOfContinuousStates
+
+    @property
+    def indicator_count(self) -> int:
+        return self.description.numberOfEventIndicators
+
+    def set_states(self, values: Sequence[float]) -> None:
+        self.slave.setContinuousStates(_array(values), len(values))
+
+    def states(self) -> list[float]:
+        return self._read(self.slave.getContinuousStates, self.state_count)
+
+    def derivatives(self) -> list[float]:
+        return self._read(self.slave.getDerivatives, self.state_count)
+
+    def indicators(self) -> list[float]:
+        return self._read(self.slave.getEventIndicators, self.indicator_count)
+
+    def _read(self, function: Callable[..., object], count: int) -> list[float]:
+        values = _array([0.0] * count)
+        function(values, count)
+        return list(values)
+
     def close(self) -> None:
         self.slave.freeInstance()
         shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def _array(values: Sequence[float]) -> ctypes.Array[ctypes.c_double]:
+    return (ctypes.c_double * len(values))(*values)

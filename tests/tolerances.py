@@ -148,3 +148,15 @@ SURVEY_FREQUENCY = 1e-3
 
 FLAVORS_IN_THE_CAR = 1e-10
 """Coupled car with one block native or in Python: parity, which friction and flanges let grow."""
+
+EVENT_INSTANT = 1e-7
+"""Instant of an event [s] against a closed form: the margin of a slider's mode, 1e-6 of its reach,
+and the integrator's own tolerance."""
+
+EXCHANGE = 1e-5
+"""Model exchange at a relative tolerance of 1e-9 against an exact step: CVode's error over the run
+is some thousand times its tolerance."""
+
+EXCHANGE_FRICTION = 1e-5
+"""A truck that slips: model exchange with located events against micro steps of 5 us, in which a
+slider gives way and turns within a step: measured 1e-6."""
