@@ -55,16 +55,14 @@ _OPTIONS = (
     click.option(
         "--duration",
         type=Quantity("duration", "s", ("s", "min", "ms"), "8s"),
-        show_default="8s",
         metavar="TIME",
-        help="Simulated time.",
+        help="Simulated time.  [default: 8s]",
     ),
     click.option(
         "--step",
         type=Quantity("step", "s", ("ms", "s"), "1ms"),
-        show_default="1ms",
         metavar="TIME",
-        help="Macro step, at which the FMUs exchange values.",
+        help="Macro step, at which the FMUs exchange values.  [default: 1ms]",
     ),
     click.option(
         "--set",

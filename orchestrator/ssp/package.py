@@ -67,7 +67,7 @@ class Document:
         if found is None:
             self.node.fail(f"{wanted} has neither a source nor a <{root}> in it")
         found = replace(found, file=self.label)
-        check(found, root)
+        check(found, root, self.node.get("version"))
         return found
 
     def _content(self, node: Node, wanted: str, component: Path | None) -> tuple[bytes, str]:

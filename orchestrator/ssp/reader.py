@@ -10,9 +10,13 @@ from .bindings import Parameters
 from .connections import GIVES, Network, Port, connections, read_network
 from .package import Document, open_document
 from .structure import Element, read_structure
+from .xml import Node
 
-OSP, OWN = "com.opensimulationplatform", "tracktrain"
-"""Types of annotations that are understood: the step is Open Simulation Platform's, bonds ours."""
+OSP, OMS, OWN = "com.opensimulationplatform", "org.openmodelica", "tracktrain"
+"""Types of annotations that are understood: of others the macro step, of ours power bonds."""
+
+STEPS = {OSP: ("FixedStepAlgorithm", "baseStepSize"), OMS: ("FixedStepMaster", "stepSize")}
+"""Element and attribute of the macro step."""
 
 
 def read_ssp(path: Path | str, variant: str | None = None) -> System:
@@ -40,7 +44,7 @@ def read_ssp(path: Path | str, variant: str | None = None) -> System:
         },
         connections=tuple(connections(root, network, names)),
         bonds=_bonds(root),
-        experiment=_experiment(document),
+        experiment=_experiment(document, root),
         notes=tuple(notes),
     )
 
@@ -80,7 +84,7 @@ def _ignored(root: Element) -> Iterator[str]:
             for element in document.node.element.iter()
             if element.tag.endswith("}Annotation")
         )
-        if types := sorted({*found} - {OSP, OWN}):
+        if types := sorted({*found} - {*STEPS, OWN}):
             yield f"{document.label}: annotations that are not used: {', '.join(types)}"
         if document is not root.document and document.node.find("DefaultExperiment"):
             yield f"{document.label}: its default experiment is not used, being inside of another"
@@ -92,17 +96,21 @@ def _all(element: Element) -> Iterator[Element]:
         yield from _all(inner)
 
 
-def _experiment(document: Document) -> Experiment:
+def _experiment(document: Document, root: Element) -> Experiment:
+    """What the description says, with the step of an annotation at the experiment or the system."""
     node = document.node.find("DefaultExperiment")
-    if node is None:
-        return Experiment()
-    start, stop = (node.number(n) if node.has(n) else None for n in ("startTime", "stopTime"))
-    step = None
-    for annotation in node.all("Annotations", "Annotation"):
-        algorithm = annotation.find("Algorithm", "FixedStepAlgorithm")
-        if annotation.get("type") == OSP and algorithm:
-            step = algorithm.number("baseStepSize")
-    return Experiment(start, stop, step)
+    times = [
+        node.number(name) if node and node.has(name) else None for name in ("startTime", "stopTime")
+    ]
+    annotations = [*(node.all("Annotations", "Annotation") if node else ()), *root.annotations]
+    steps = [
+        Node(element, document.label).number(attribute)
+        for annotation in annotations
+        for tag, attribute in [STEPS.get(annotation.get("type"), ("", ""))]
+        for element in annotation.element.iter()
+        if tag and element.tag.endswith(f"}}{tag}")
+    ]
+    return Experiment(times[0], times[1], steps[0] if steps else None)
 
 
 def _bonds(root: Element) -> tuple[PowerBond, ...] | None:

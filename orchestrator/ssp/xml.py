@@ -85,10 +85,13 @@ def parse(data: bytes, file: str, root: str) -> Node:
     return node
 
 
-def check(node: Node, root: str) -> None:
-    """Raise SspError unless the element is called `root` and is of a version that is known."""
+def check(node: Node, root: str, inherited: str = "") -> None:
+    """Raise SspError unless the element is called `root` and is of a version that is known.
+
+    inherited: the version of the file that an element without one stands in.
+    """
     if node.tag != root:
         node.fail(f"it begins with <{node.tag}>, not with <{root}>")
-    version = node.get("version")
+    version = node.get("version", inherited)
     if version.partition(".")[0] not in ("1", "2"):
         node.fail(f"<{root}> is of version '{version}' of SSP; 1.0 and 2.0 can be read")

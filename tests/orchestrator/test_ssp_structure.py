@@ -295,6 +295,40 @@ def test_names_with_dots_do_not_collide(archive):
     assert "the component 'a.b' is called a:b_2" in read.notes
 
 
+def test_system_in_the_manner_of_omsimulator(archive):
+    """Annotations first, empty lists, a map without a version, one value for two parameters."""
+    master = (
+        '<ssd:Annotations><ssc:Annotation type="org.openmodelica"><oms:Annotations '
+        'xmlns:oms="https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd">'
+        '<oms:SimulationInformation><oms:FixedStepMaster description="oms-ma" stepSize="0.05" '
+        'absoluteTolerance="0.0001" relativeTolerance="0.0001"/></oms:SimulationInformation>'
+        "</oms:Annotations></ssc:Annotation></ssd:Annotations>"
+    )
+    entry = '<ssm:MappingEntry source="speed" target="{}"/>'
+    mapping = (
+        f"<ssm:ParameterMapping>{entry.format('wc.mass.start_v')}{entry.format('other.start_v')}"
+        "</ssm:ParameterMapping>"
+    )
+    inner = system(
+        "wc",
+        "<ssd:Connectors/>"
+        + elements(component("mass", MASS, connectors(v="output Real", m="parameter Real")))
+        + "<ssd:Connections/>",
+    )
+    text = (
+        master
+        + "<ssd:Connectors/>"
+        + bindings(inline(ssv({"speed": 'Real value="3"'}), mapping))
+        + elements(inner, component("other", MASS))
+        + "<ssd:Connections/>"
+    )
+    stop = '<ssd:DefaultExperiment startTime="0.000000" stopTime="1.000000"/>'
+    read = read_ssp(archive(ssd(text, stop)))
+    assert read.experiment == Experiment(0.0, 1.0, 0.05)
+    assert [c.parameters for c in read.components.values()] == 2 * [{"start_v": 3.0}]
+    assert len(simulate(read).time) == 21
+
+
 def test_what_is_for_other_tools_is_said(archive):
     extra = '<ssd:Annotations><ssc:Annotation type="org.example.colours"/></ssd:Annotations>'
     outputs = connectors(total="output")
