@@ -9,11 +9,12 @@ run.dataset["b.v"].plot()
 from __future__ import annotations
 
 from .bonds import BondResidual
+from .checkpoint import read_checkpoint
 from .description import Description, Tangent, Variable, describe
 from .errors import OrchestratorError
 from .mock import Mock
 from .results import Run
-from .simulation import simulate
+from .simulation import resume, simulate
 from .system import Component, Connection, Experiment, PowerBond, System
 from .transformation import Linear, Table
 
@@ -33,5 +34,7 @@ __all__ = [
     "Tangent",
     "Variable",
     "describe",
+    "read_checkpoint",
+    "resume",
     "simulate",
 ]

@@ -73,6 +73,7 @@ class Description:
     interpolates_inputs: bool = False
     gives_derivatives: bool = False
     single_instance: bool = False
+    serializes_state: bool = False
     tangents: tuple[Tangent, ...] = ()
     units: Definitions = field(default_factory=dict)
     fmi_version: str = "2.0"
@@ -200,6 +201,8 @@ def survey(contents: Contents) -> Description:
         gives_derivatives=_is_true(said, "providesDirectionalDerivative")
         or _is_true(said, "providesDirectionalDerivatives"),  # as FMI 3 spells it
         single_instance=_is_true(said, "canBeInstantiatedOnlyOncePerProcess"),
+        serializes_state=_is_true(said, "canSerializeFMUstate")
+        or _is_true(said, "canSerializeFMUState"),  # as FMI 3 spells it
         tangents=_tangents(contents.path, contents.root, variables),
         units=_units(contents.model),
         fmi_version=contents.version,

@@ -46,6 +46,10 @@ class ResultsError(OrchestratorError):
     """Results cannot be selected or written."""
 
 
+class CheckpointError(OrchestratorError):
+    """A checkpoint cannot be written, or does not fit the run that is to go on from it."""
+
+
 class RecordSizeError(ResultsError, MemoryError):
     """The results do not fit into memory."""
 

@@ -41,7 +41,7 @@ class ResultsFile:
 
     def __init__(self, path: Path, first_row: int, width: int) -> None:
         """An existing file whose rows begin at a byte and hold `width` numbers each."""
-        self.path, self._begin, self._width = path, first_row, width
+        self.path, self.first_row, self._width = path, first_row, width
         self._stream = path.open("r+b", buffering=0)
         self.rows = int.from_bytes(self._at(_ROW_COUNT, 4), "big")
 
@@ -75,17 +75,32 @@ class ResultsFile:
                 f"'{path}' cannot be written: {_reason(error)}; choose another folder"
             ) from None
 
+    @classmethod
+    def reopen(cls, path: Path, first_row: int, width: int, rows: int) -> ResultsFile:
+        """An existing file, without what comes after its first rows; raises ResultsError."""
+        try:
+            if path.stat().st_size < first_row + 8 * width * rows:
+                raise ResultsError(f"'{path}' is shorter than its checkpoint says; run anew")
+            file = cls(path, first_row, width)
+            file.cut(rows)
+            file.say(UNFINISHED)
+            return file
+        except OSError as error:
+            raise ResultsError(
+                f"'{path}' cannot be gone on with: {_reason(error)}; run anew"
+            ) from None
+
     def append(self, rows: NDArray[np.float64]) -> None:
         """Add rows, shape (n, 1 + variables); raises ResultsError, with those that fit kept."""
         step = max(1, _BLOCK // (8 * self._width))
         for first in range(0, len(rows), step):
             block = memoryview(rows[first : first + step].astype(">f8").tobytes())
             try:
-                self._stream.seek(self._begin + 8 * self._width * self.rows)
+                self._stream.seek(self.first_row + 8 * self._width * self.rows)
                 while block:
                     block = block[self._stream.write(block) :]
             except OSError as error:
-                size = self._stream.seek(0, 2) - self._begin
+                size = self._stream.seek(0, 2) - self.first_row
                 self._count(size // (8 * self._width))
                 raise ResultsError(
                     f"'{self.path}' cannot be written any further: {_reason(error)}"
@@ -95,7 +110,7 @@ class ResultsFile:
     def cut(self, rows: int) -> None:
         """Forget all rows but the first ones."""
         self._count(rows)
-        self._stream.truncate(self._begin + 8 * self._width * rows)
+        self._stream.truncate(self.first_row + 8 * self._width * rows)
 
     def sync(self) -> None:
         """Wait until everything is on the disk."""
@@ -103,16 +118,20 @@ class ResultsFile:
 
     def finish(self, reason: str | None) -> None:
         """Say why the run stopped, or that it did not, and close."""
+        self.say(reason)
+        self.close()
+
+    def say(self, reason: str | None) -> None:
+        """Have the header give a reason for the end of the rows, or none."""
         self._stream.seek(0)
-        header = self._stream.read(self._begin)
+        header = self._stream.read(self.first_row)
         with tempfile.TemporaryDirectory() as folder:
             copy = Path(folder) / NAME
             copy.write_bytes(_counting(header, 0))
             _set_reason(copy, None if reason is None else reason[: ROOM // 8])
-            changed = copy.read_bytes()[: self._begin]
+            changed = copy.read_bytes()[: self.first_row]
         self._stream.seek(0)
         self._stream.write(_counting(changed, self.rows))
-        self.close()
 
     def close(self) -> None:
         """Close; what was appended is there."""
@@ -121,7 +140,7 @@ class ResultsFile:
     def read(self) -> NDArray[np.float64]:
         """All rows, time first, read from the file as they are looked at."""
         shape = (self.rows, self._width)
-        return np.memmap(self.path, ">f8", "r", self._begin, shape)
+        return np.memmap(self.path, ">f8", "r", self.first_row, shape)
 
     def _at(self, place: int, size: int) -> bytes:
         self._stream.seek(place)

@@ -11,7 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from .errors import CouplingError
+from .checkpoint import Checkpoint, Checkpoints, read_checkpoint, refuse_without_state
+from .errors import CheckpointError, CouplingError
 from .grid import make_grid
 from .initialize import settle
 from .mock import Mock, MockSlave
@@ -24,6 +25,9 @@ from .system import Experiment, System
 
 Progress = Callable[[float, float], None]
 """Called with simulated time and wall time of stepping [s]."""
+
+LIVE = ("system", "progress", "logger", "measure", "resumed")
+"""Arguments of `simulate` that a checkpoint does not keep."""
 
 STEP = 1e-3
 """Macro step where neither the caller nor the system gives one [s]."""
@@ -45,6 +49,8 @@ def simulate(
     logger: Logger | None = None,
     measure: bool = False,
     command: str | None = None,
+    checkpoint: float | None = None,
+    resumed: Checkpoint | None = None,
 ) -> Run:
     """Run a system for `duration` [s] with macro steps of `step` [s], from the time `start` [s].
 
@@ -55,15 +61,20 @@ def simulate(
     [bytes] of rows are held. Without it all rows stay in memory.
     compiled: False runs the same macro loop as plain Python.
     measure: estimate the share of time inside the FMUs. command: for the results' provenance.
+    checkpoint: simulated time [s] between two checkpoints in `out`, from which `resume` goes on.
     Raises OrchestratorError for what does not fit before the first step; from then on the run
     always returns, and says in `message` why it stopped early.
     """
+    settings = {name: value for name, value in locals().items() if name not in LIVE}
     begin = time.perf_counter()
     start, duration, step = _span(system.experiment, start, duration, step)
     grid, notes = make_grid(duration, step, start)
     if every < 1:
         raise CouplingError(f"one row of every {every} cannot be kept; give a whole number above 0")
+    interval = _interval(checkpoint, step, out)
     plan = make_plan(system, record)
+    if resumed is not None:
+        resumed.check(plan)
     # numba takes half a second to import: not before the system is known to be sound.
     from .masters import master_module
     from .recording import Recording
@@ -72,6 +83,8 @@ def simulate(
     module = master_module(master)
     with ExitStack() as stack:
         slaves = _load(system, plan, stack, logger)
+        if interval:
+            refuse_without_state(slaves)
         for slave, values in zip(slaves, plan.values, strict=True):
             for variable, value in values:
                 slave.set_value(variable, value)
@@ -102,14 +115,30 @@ def simulate(
         recording = Recording(plan, prepared, grid, constant, every, memory if out else None)
         recording.rows[0] = first_row
         if out is not None:
-            rows = grid.steps // every + 1
-            file = ResultsFile.create(Path(out) / RESULTS, variables, attributes, rows)
+            path, rows = Path(out) / RESULTS, grid.steps // every + 1
+            if resumed is None:
+                file = ResultsFile.create(path, variables, attributes, rows)
+            else:
+                width = 1 + len(variables)
+                file = ResultsFile.reopen(path, resumed.first_row, width, resumed.kept)
             recording.file = stack.enter_context(closing(file))
         stepper = Stepper(module, prepared, plan, slaves, grid, recording, compiled)
-        wall_load = time.perf_counter() - begin
-        message = stepper.run(progress)
+        checkpoints = None
+        if interval and recording.file is not None:
+            checkpoints = Checkpoints(
+                interval, system, settings, plan, slaves, prepared, recording, recording.file
+            )
+        if resumed is not None:
+            resumed.restore(slaves, prepared, recording)
+            stepper.resume(resumed.rows)
+        elif checkpoints is not None:
+            checkpoints.write(stepper.rows_done)
+        wall_load, first = time.perf_counter() - begin, stepper.rows_done
+        message = stepper.run(progress, checkpoints)
         if recording.file is not None:
             recording.file.finish(message)
+        if checkpoints is not None and message is None:
+            checkpoints.remove()
         share = stepper.share_inside() if measure else None
     done, wall = stepper.rows_done, stepper.wall
     table = recording.file.read() if recording.file else recording.kept(0, done)
@@ -122,11 +151,41 @@ def simulate(
         message=message,
         bonds=recording.residuals(),
         statistics=Statistics(
-            wall_load, wall, (done - 1) * step / wall if wall > 0.0 else math.inf, share
+            wall_load, wall, (done - first) * step / wall if wall > 0.0 else math.inf, share
         ),
         notes=[*notes, *plan.notes, *prepared.notes, *stepper.messages()],
         path=recording.file.path if recording.file else None,
     )
+
+
+def resume(
+    folder: Path | str,
+    *,
+    progress: Progress | None = None,
+    logger: Logger | None = None,
+    measure: bool = False,
+) -> Run:
+    """Go on from the last checkpoint in a folder, as if the run had never stopped.
+
+    Rows that were written after it are made again, to the same bits. Raises OrchestratorError where
+    there is no checkpoint, or an FMU has changed since.
+    """
+    found = read_checkpoint(folder)
+    settings = {**found.settings, "out": Path(folder)}
+    return simulate(
+        found.system, **settings, progress=progress, logger=logger, measure=measure, resumed=found
+    )
+
+
+def _interval(checkpoint: float | None, step: float, out: Path | str | None) -> int:
+    """Macro steps between two checkpoints; 0 for none."""
+    if checkpoint is None:
+        return 0
+    if out is None:
+        raise CheckpointError("checkpoints need a folder for the results; give `out`")
+    if not (math.isfinite(checkpoint) and checkpoint > 0.0):
+        raise CheckpointError(f"a checkpoint every {checkpoint:g} s cannot be; give a time above 0")
+    return max(1, round(checkpoint / step))
 
 
 def _span(

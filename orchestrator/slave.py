@@ -86,6 +86,19 @@ class Slave(ABC):
         self._reals(self.addresses.get_real, variables, values, "cannot read")
         return values
 
+    @property
+    def keeps_state(self) -> bool:
+        """Whether `state` and `restore` work."""
+        return self.description.serializes_state
+
+    def state(self) -> bytes:
+        """All that the instance knows; raises SlaveError."""
+        raise NotImplementedError
+
+    def restore(self, state: bytes) -> None:
+        """Be as when `state` was asked for, also in another process; raises SlaveError."""
+        raise NotImplementedError
+
     def said(self) -> str:
         """The last message, to end a sentence with."""
         return f": {self.messages[-1]}" if self.messages else ""
@@ -196,6 +209,24 @@ class Fmi2Slave(Slave):
         self._call("cannot be initialized", self._fmu.exitInitializationMode)
         self._stepping = True
 
+    def state(self) -> bytes:
+        held = self._call("cannot save its state", self._fmu.getFMUstate)
+        try:
+            return self._call("cannot serialize its state", self._fmu.serializeFMUstate, held)
+        finally:
+            self._fmu.freeFMUstate(held)
+
+    def restore(self, state: bytes) -> None:
+        from fmpy.fmi2 import fmi2FMUstate
+
+        held = fmi2FMUstate()
+        what = "cannot take the state of the checkpoint"
+        self._call(what, self._fmu.deSerializeFMUstate, state, held)
+        try:
+            self._call(what, self._fmu.setFMUstate, held)
+        finally:
+            self._fmu.freeFMUstate(held)
+
     def close(self) -> None:
         try:
             if self._stepping:
@@ -204,9 +235,9 @@ class Fmi2Slave(Slave):
             pass
         self._fmu.freeInstance()
 
-    def _call(self, failure: str, function: Callable[..., Any], *given: Any, **named: Any) -> None:
+    def _call(self, failure: str, function: Callable[..., Any], *given: Any, **named: Any) -> Any:
         try:
-            function(*given, **named)
+            return function(*given, **named)
         except Exception as error:
             said = self.said() or f": {error}"
             raise SlaveError(f"{self.name} ({self.description.label}) {failure}{said}") from None

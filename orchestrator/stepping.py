@@ -11,7 +11,8 @@ from types import ModuleType
 
 import numpy as np
 
-from .errors import ResultsError
+from .checkpoint import Checkpoints
+from .errors import CheckpointError, OrchestratorError, ResultsError, SlaveError
 from .grid import Grid
 from .masters.tables import CALLS, NOT_FINITE, Prepared
 from .mock import MockSlave
@@ -50,9 +51,13 @@ class Stepper:
         """Number of rows of the record that are complete."""
         return int(self._report[0])
 
-    def run(self, progress: Progress | None) -> str | None:
+    def resume(self, rows: int) -> None:
+        """Take so many rows for complete."""
+        self._report[0] = rows
+
+    def run(self, progress: Progress | None, checkpoints: Checkpoints | None = None) -> str | None:
         """Step to the end, or to what stops it: the reason, else None."""
-        reason = self._run(progress)
+        reason = self._run(progress, checkpoints)
         with suppress(KeyboardInterrupt), uninterrupted():
             try:
                 self._recording.take(self.rows_done, now=True)
@@ -60,25 +65,30 @@ class Stepper:
                 return reason or self._unwritten(error)
         return reason
 
-    def _run(self, progress: Progress | None) -> str | None:
+    def _run(self, progress: Progress | None, checkpoints: Checkpoints | None) -> str | None:
         begin = time.perf_counter()
         done, size = self.rows_done - 1, 16
         try:
             while done < self._grid.steps:
                 chunk_begin = time.perf_counter()
-                done = self._chunk(done, min(done + size, self._recording.last))
+                last = min(done + size, self._recording.last)
+                if checkpoints is not None:
+                    last = min(last, (done // checkpoints.interval + 1) * checkpoints.interval)
+                count, done = last - done, self._chunk(done, last)
                 self.wall = time.perf_counter() - begin
                 if self._report[1]:
                     return self._reason()
                 spent = max(time.perf_counter() - chunk_begin, 1e-6)
                 with uninterrupted():
                     self._recording.take(self.rows_done)
+                    if checkpoints is not None and done % checkpoints.interval == 0:
+                        checkpoints.write(self.rows_done)
                 if progress is not None:
                     progress(self._grid.time(done), self.wall)
-                size = max(1, int(size * min(CHUNK / spent, 16.0)))
+                size = max(1, int(count * min(CHUNK / spent, 16.0)))
         except KeyboardInterrupt:
             return self._interrupted()
-        except ResultsError as error:
+        except (ResultsError, CheckpointError, SlaveError) as error:
             return self._unwritten(error)
         finally:
             self.wall = time.perf_counter() - begin
@@ -161,7 +171,7 @@ class Stepper:
     def _interrupted(self) -> str:
         return f"interrupted at t = {self._time(self.rows_done - 1):g} s"
 
-    def _unwritten(self, error: ResultsError) -> str:
+    def _unwritten(self, error: OrchestratorError) -> str:
         return f"{error}; stopped at t = {self._time(self.rows_done - 1):g} s"
 
     def _time(self, row: int) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,7 @@ from .errors import TracktrainError
 from .failures import Stopped, clear_errors
 from .fmu_command import fmu
 from .options import Name
-from .run_options import run_options, survival
+from .run_options import RESUMED, run_options, survival
 from .studies.command import study
 from .terminal import writable
 
@@ -146,6 +147,7 @@ def run(
     out: Path,
     quiet: bool,
     csv: bool,
+    resume: Path | None,
     **shape: Any,
 ) -> None:
     """Run the 80-ton hopper car, or the system of FILE; write results.nc and pictures.
@@ -155,35 +157,40 @@ def run(
     --set, --swap, --duration and --step change that.
     """
     with clear_errors():
+        from orchestrator import read_checkpoint, simulate
+        from orchestrator import resume as go_on
+
         how = survival(shape)
-        if file is None:
+        folder = writable(resume or out)
+        start: Callable[..., Run]
+        if resume is not None:
+            others = {param.name or "" for param in ctx.command.params} - {*RESUMED}
+            refuse_options(ctx, others, f"the run in '{resume}' goes on as it began")
+            system = read_checkpoint(resume).system
+            start = partial(go_on, resume)
+        elif file is None:
             refuse_options(ctx, ["ssd"], "there is no file to choose a system of")
             system = chosen_car(**shape)
         else:
             refuse_options(ctx, CAR_ONLY, f"the car is the one that '{file}' describes")
             system = chosen_file(file, ssd, **{k: v for k, v in shape.items() if k not in CAR_ONLY})
-        from orchestrator import simulate
-
-        folder = writable(out)
+        if resume is None:
+            start = partial(
+                simulate, system, master=master, out=folder, command=ctx.meta["command"], **how
+            )
         experiment = system.experiment
         span = (experiment.stop or 0.0) - (experiment.start or 0.0)
         with _progress(span, quiet) as (stage, progress):
             stage("running")
-            result = simulate(
-                system,
-                master=master,
-                out=folder,
-                progress=progress,
-                command=ctx.meta["command"],
-                **how,
-            )
+            result = start(progress=progress)
             stage("writing")
             lost = _write(result, folder, csv)
         if not quiet:
             _print(result, [*result.notes, *lost], folder)
     if not result.completed:
         message = result.message or "the run stopped early"
-        raise Stopped(f"{message}; what was computed until then is in {folder}")
+        hint = f"; go on with --resume {folder}" if how["checkpoint"] or resume else ""
+        raise Stopped(f"{message}; what was computed until then is in {folder}{hint}")
 
 
 @main.command(

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar
 
 import click
 
 from .options import Quantity
+
+RESUMED = ("resume", "csv", "quiet")
+"""Options that a run which goes on may still have."""
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -36,6 +40,18 @@ _OPTIONS = (
         help="Most that rows not yet in results.nc may take in memory.",
     ),
     click.option("--csv", is_flag=True, help="Write results.csv, too."),
+    click.option(
+        "--checkpoint",
+        type=Quantity("time between checkpoints", "s", ("s", "min", "ms"), "10s"),
+        metavar="TIME",
+        help="Write a checkpoint whenever so much time was simulated, to go on from with --resume.",
+    ),
+    click.option(
+        "--resume",
+        type=click.Path(path_type=Path),
+        metavar="DIR",
+        help="Go on with the run whose results and checkpoint are in DIR, as it began.",
+    ),
 )
 
 
@@ -48,5 +64,5 @@ def run_options(command: Command) -> Command:
 
 def survival(options: dict[str, Any]) -> dict[str, Any]:
     """Take what the options above say out of a command's, as `orchestrator.simulate` has it."""
-    taken = {name: options.pop(name) for name in ("record", "every", "memory")}
+    taken = {name: options.pop(name) for name in ("record", "every", "memory", "checkpoint")}
     return {**taken, "record": taken["record"] or None}

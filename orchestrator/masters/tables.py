@@ -114,11 +114,14 @@ class Prepared:
     """Tables for a master's `advance`, in the order of its arguments, and what to tell the user.
 
     led: links whose value at the end of each step `advance` stores in its `end_values`, by column.
+    memory: arrays of whole numbers that it carries from step to step; that it may do so with the
+    tables' arrays of floating-point numbers goes without saying.
     """
 
     tables: tuple[Any, ...]
     led: dict[Link, int] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
+    memory: tuple[NDArray[Any], ...] = ()
 
 
 def addresses(array: NDArray[Any], at: Sequence[int] | Ints) -> Ints:
