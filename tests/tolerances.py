@@ -160,3 +160,9 @@ is some thousand times its tolerance."""
 EXCHANGE_FRICTION = 1e-5
 """A truck that slips: model exchange with located events against micro steps of 5 us, in which a
 slider gives way and turns within a step: measured 1e-6."""
+
+WAVELENGTH = 2e-3
+"""A rolled wave against the massless one: a hundredth of the inertia at 2 m/s is left."""
+
+CRITICAL_SPEED = 2e-3
+"""Where a run's growth vanishes, by bisection to 1e-4, with steps of 1 ms in between."""

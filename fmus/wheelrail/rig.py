@@ -54,10 +54,11 @@ def kinematic_wavelength(values: Values, half_wheelbase: float = 0.0, speed: flo
 
 
 def klingel_wavelength(values: Values, half_wheelbase: float = 0.0) -> float:
-    """2 pi sqrt(r0 L_Y/alpha) [m], for a rigid truck times sqrt(1 + (L_X/L_Y)^2)."""
+    """2 pi sqrt(r0 L_Y/alpha) [m], for a rigid truck times sqrt(1 + (f22/f11) (L_X/L_Y)^2)."""
     half_spacing = values["half_contact_spacing"]
     free = 2 * pi * sqrt(values["rolling_radius"] * half_spacing / values["conicity"])
-    return free * sqrt(1 + (half_wheelbase / half_spacing) ** 2)
+    ratio = values["lateral_creep_coefficient"] / values["longitudinal_creep_coefficient"]
+    return free * sqrt(1 + ratio * (half_wheelbase / half_spacing) ** 2)
 
 
 @dataclass(frozen=True)

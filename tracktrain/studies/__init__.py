@@ -13,6 +13,7 @@ STUDIES = {
     "carbody-survey": "Carbody on air springs: modal survey (Table 4-1, Figures 4-8, 4-9)",
     "truck-hysteresis": "Truck on a rig: loops of every element (Figure 4-20)",
     "identify": "Analog parameters of a truck element from a measured loop (Table 4-5)",
+    "wheelset": "Wheelset alone: Klingel's wave, critical speed of a restrained one",
     "track": "Track alone: histogram, spectrum, realisation (Figures 5-3 to 5-5)",
 }
 """Name of each study, whose module is called the same with underscores, and what it shows."""

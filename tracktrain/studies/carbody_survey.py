@@ -17,6 +17,7 @@ from ..terminal import Progress
 from .command import study_command
 from .outcome import Outcome
 from .rig import Signals, rig, run_on_rig
+from .ringdown import oscillation, separable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -317,37 +318,13 @@ def _shape_squared(ratio: xr.DataArray, frequency: float, damping: float) -> flo
         mode = -(w**2) / (1 - w**2 + 2j * guess[1] * w)
         return np.column_stack([mode, np.ones_like(mode)])
 
-    return float(_separable(columns, values, np.array([frequency, damping]))[1][0].real)
+    return float(separable(columns, values, np.array([frequency, damping]))[1][0].real)
 
 
 def _damping(trace: xr.DataArray, frequency: float) -> float:
-    """Damping ratio from the decay: least squares of a decaying sinusoid."""
-    silent = trace.sel(time=slice(DWELL + 2 * STEP, None)).values
-    time = STEP * np.arange(len(silent))
-
-    def columns(guess: np.ndarray) -> np.ndarray:
-        w = 2 * pi * guess[0]
-        decay = np.exp(-guess[1] * w * time)
-        return np.column_stack([decay * np.cos(w * time), decay * np.sin(w * time)])
-
-    return float(_separable(columns, silent, np.array([frequency, 0.03]))[0][1])
-
-
-def _separable(
-    columns: Callable[[np.ndarray], np.ndarray], values: np.ndarray, guess: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Least squares of columns(guess) @ factors against values: the guess and the factors."""
-    from scipy.optimize import least_squares
-
-    def factors(x: np.ndarray) -> np.ndarray:
-        return np.linalg.lstsq(columns(x), values, rcond=None)[0]
-
-    def residual(x: np.ndarray) -> np.ndarray:
-        left = columns(x) @ factors(x) - values
-        return np.concatenate([left.real, left.imag])
-
-    found = least_squares(residual, guess, x_scale=np.abs(guess)).x
-    return found, factors(found)
+    """Damping ratio from the decay."""
+    silent = trace.sel(time=slice(DWELL + 2 * STEP, None))
+    return oscillation(silent.time.values, silent.values, frequency).damping
 
 
 def _table(found: Sequence[Found], values: Values, springs: AirSprings, car: str) -> pd.DataFrame:
