@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -50,11 +51,11 @@ def read_ssp(path: Path | str, variant: str | None = None) -> System:
 
 
 def _instances(root: Element) -> tuple[dict[Element, str], list[str]]:
-    """A name for each component, unique and without dots; notes of those that are not their own."""
+    """A name for each component, unique, without dots and strokes; notes of names that differ."""
     names: dict[Element, str] = {}
     notes = []
     for element in root.components():
-        wanted = ":".join(element.path).replace(".", ":")
+        wanted = re.sub(r"[./]", ":", ":".join(element.path))  # NetCDF takes no strokes
         taken, name, number = set(names.values()), wanted, 2
         while name in taken:
             name, number = f"{wanted}_{number}", number + 1

@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tolerances
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from native_slaves import build_damper, build_mass
 from ssp_archives import (
     UNITS,
@@ -172,6 +174,38 @@ def test_suppressed_conversion_takes_the_number_as_it_is(archive):
     assert link.transformation.factor == pytest.approx(1 / 3.6, rel=tolerances.ROUNDING)
 
 
+METRES_PER_SECOND = {"m/s": 1.0, "km/h": 1.0 / 3.6}
+HOP = st.tuples(
+    st.sampled_from([*METRES_PER_SECOND]),
+    st.sampled_from([1.0, -2.0, 0.5]),
+    st.sampled_from([0.0, 3.0]),
+    st.booleans(),
+)
+
+
+@settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(hops=st.lists(HOP, min_size=1, max_size=4))
+def test_way_into_nested_systems_does_what_each_connection_would_alone(archive, hops):
+    """Followed with a number from border to border, as against one connection at the end."""
+    value, unit = 7.0, "m/s"
+    inside = elements(component("d", DAMPER)) + connections(connection(".v", "d.v"))
+    for depth, (wanted, factor, offset, suppressed) in reversed([*enumerate(hops)]):
+        kind = connectors(v=f"input Real unit='{wanted}'")
+        attributes = 'suppressUnitConversion="true"' if suppressed else ""
+        start = "mass.v" if depth == 0 else ".v"
+        into = connection(start, "s.v", linear(factor, offset), attributes)
+        beside = [component("mass", MASS)] if depth == 0 else []
+        inside = elements(system("s", kind + inside), *beside) + connections(into)
+    for wanted, factor, offset, suppressed in hops:
+        if not suppressed:
+            value *= METRES_PER_SECOND[unit] / METRES_PER_SECOND[wanted]
+        value, unit = factor * value + offset, wanted
+    (link,) = read_ssp(archive(ssd(inside))).connections  # m/s at either end
+    assert link.transformation(7.0) == pytest.approx(
+        value * METRES_PER_SECOND[unit], rel=tolerances.ROUNDING, abs=tolerances.ROUNDING
+    )
+
+
 def test_system_defined_once_is_used_twice(archive):
     """`#id` refers to a system of the same file."""
     inner = (
@@ -290,8 +324,9 @@ def test_variants_are_chosen_by_file_or_by_name(archive):
 
 def test_names_with_dots_do_not_collide(archive):
     inner = system("a", elements(component("b", DAMPER)))
-    read = read_ssp(archive(ssd(elements(inner, component("a.b", DAMPER)))))
-    assert [*read.components] == ["a:b", "a:b_2"]
+    others = component("a.b", DAMPER), component("a/b", DAMPER)
+    read = read_ssp(archive(ssd(elements(inner, *others))))
+    assert [*read.components] == ["a:b", "a:b_2", "a:b_3"]
     assert "the component 'a.b' is called a:b_2" in read.notes
 
 
