@@ -1,4 +1,4 @@
-"""What comes with a block in any FMU of it: documentation, licence, terminals and drawings."""
+"""What comes with a block in any FMU of it: documentation, terminals, reference results."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from pathlib import Path
 from ..block import Block
 from ..parameters import ParameterSet
 from .documentation import documentation
+from .references import references
 from .terminals import terminals_and_icons
 
 HERE = Path(__file__).parent
@@ -33,6 +34,7 @@ def accompanying_files(
     return {
         **{place: text.encode() for place, text in texts.items()},
         **{place: file.read_bytes() for place, file in copies.items()},
+        **references(block.name),
     }
 
 

@@ -1,0 +1,90 @@
+"""Reference results in the FMUs: met by the FMU, kept as they were computed, described truly."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import zipfile
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from fmpy import simulate_fmu
+
+from fmus.catalogue import fmu_path
+from fmus.export.references import FOLDER, MANIFEST
+from fmus.reference import EXPERIMENTS, compute, read
+
+
+def members(block: str) -> dict[str, bytes]:
+    with zipfile.ZipFile(fmu_path(block)) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def columns(text: bytes) -> dict[str, np.ndarray]:
+    names, *rows = csv.reader(text.decode().splitlines())
+    return dict(zip(names, np.array(rows, float).T, strict=True))
+
+
+def test_the_fmu_meets_what_its_own_archive_asks_for(block_name):
+    """From the archive alone, as a tool finds it."""
+    files = members(block_name)
+    experiment = ElementTree.fromstring(files[str(FOLDER / "experiment.exp")]).find("Experiment")
+    assert experiment is not None
+    times = experiment.find("TransientSimulation").attrib
+    source = {e.tag: files[str(FOLDER / e.get("source"))] for e in experiment if e.get("source")}
+    parameters = {}
+    if "Parameters" in source:
+        for parameter in ElementTree.fromstring(source["Parameters"]).iterfind(".//{*}Parameter"):
+            parameters[parameter.get("name")] = float(parameter[0].get("value"))
+    stimuli, expected = columns(source["Stimuli"]), columns(source["References"])
+    found = simulate_fmu(
+        str(fmu_path(block_name)),
+        stop_time=float(times["stopTime"]),
+        step_size=float(times["stepSize"]),
+        output_interval=float(times["stepSize"]),
+        start_values=parameters,
+        input=np.array(list(zip(*stimuli.values(), strict=True)), [(n, float) for n in stimuli]),
+        output=[name for name in expected if name != "time"],
+        fmi_type="CoSimulation",
+    )
+    rows = np.rint(expected["time"] / float(times["stepSize"])).astype(int)
+    tolerance = float(experiment.get("tolerance"))
+    for name, values in expected.items():
+        scale = np.abs(values).max()
+        assert np.abs(np.array(found[name])[rows] - values).max() <= tolerance * scale, name
+
+
+def test_every_output_has_a_reference_and_most_of_them_move(block_name):
+    results = read(EXPERIMENTS[block_name].folder / "results.csv")
+    with zipfile.ZipFile(fmu_path(block_name)) as archive:
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    outputs = {v.get("name") for v in root.iter("ScalarVariable") if v.get("causality") == "output"}
+    assert outputs == results.keys() - {"time"}
+    assert sum(np.ptp(values) > 0 for values in results.values()) > 0.5 * len(results)
+
+
+@pytest.mark.parametrize(
+    "block",
+    [pytest.param(n, marks=[pytest.mark.slow] if n == "truck" else []) for n in EXPERIMENTS],
+)
+def test_the_tables_are_what_is_computed(block):
+    for name, table in zip(("stimuli", "results"), compute(EXPERIMENTS[block]), strict=True):
+        kept = read(EXPERIMENTS[block].folder / f"{name}.csv")
+        assert kept.keys() == table.keys()
+        for column, values in table.items():
+            scale = max(np.abs(values).max(), 1e-300)
+            assert np.abs(kept[column] - values).max() < 1e-9 * scale, column
+
+
+def test_the_manifest_names_every_file_with_its_checksum(block_name):
+    files = members(block_name)
+    here = {name for name in files if name.startswith(f"{FOLDER}/")}
+    root = ElementTree.fromstring(files[str(FOLDER / "fmi-ls-manifest.xml")])
+    assert root.get(f"{MANIFEST}name") == FOLDER.name
+    related = {str(FOLDER / e.get("source", "")): e for e in root.iterfind("Related")}
+    assert related.keys() == here - {str(FOLDER / "fmi-ls-manifest.xml")}
+    for name, element in related.items():
+        assert hashlib.sha3_256(files[name]).hexdigest() == element.get("checksum")
+        assert len(files[name]) < 50_000
+    assert "documentation/fmi-ls-ref.txt" in files
