@@ -109,6 +109,9 @@ def bus(name: str, dictionary: str, *signals: str) -> str:
     )
 
 
+V_OF_BIG = connectors(v="input", f="output")
+
+
 def nested(*inner: str, **of_system: str) -> str:
     """The damper in a system in a system."""
     kinds = of_system or {"speed": "input", "pull": "output"}
@@ -119,7 +122,7 @@ def nested(*inner: str, **of_system: str) -> str:
     )
     return system(
         "big",
-        connectors(v="input", f="output")
+        V_OF_BIG
         + elements(small)
         + connections(connection(".v", "small.speed"), connection("small.pull", ".f")),
     )
@@ -161,6 +164,16 @@ def test_offset_counts_in_the_unit_of_the_connector_that_it_leads_to(archive, un
     (link,) = (c for c in read.connections if c.target == "big:small:d.v")
     assert link.transformation.factor == pytest.approx(1.0, rel=tolerances.ROUNDING)
     assert link.transformation.offset == pytest.approx(offset, rel=tolerances.ROUNDING)
+
+
+def test_connector_without_a_unit_has_that_of_what_is_behind_it(archive):
+    """Km/h outside, nothing at the inner system, m/s at its FMU: 10 is added in m/s."""
+    text = around(nested().replace(V_OF_BIG, connectors(v="input Real unit='km/h'", f="output")))
+    outer = connection(".v", "small.speed")
+    shifted = connection(".v", "small.speed", linear(1.0, 10.0))
+    read = read_ssp(archive(ssd(text.replace(outer, shifted))))
+    (link,) = (c for c in read.connections if c.target == "big:small:d.v")
+    assert link.transformation.offset == pytest.approx(10.0, rel=tolerances.ROUNDING)
 
 
 def test_suppressed_conversion_takes_the_number_as_it_is(archive):
