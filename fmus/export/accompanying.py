@@ -15,11 +15,16 @@ HERE = Path(__file__).parent
 
 
 def accompanying_files(
-    block: Block, parameters: ParameterSet, start: Mapping[str, float]
+    block: Block, parameters: ParameterSet, start: Mapping[str, float], description: str
 ) -> dict[str, bytes]:
-    """The files by their place in the archive. start: parameter values [SI]."""
+    """The files by their place in the archive.
+
+    start: parameter values [SI]. description: text of modelDescription.xml.
+    """
     texts = {
-        "documentation/index.html": documentation(block, parameters, start),
+        "documentation/index.html": documentation(
+            block, parameters, start, description=description
+        ),
         "documentation/licenses/license.txt": licence(),
         "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(block),
     }

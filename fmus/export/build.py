@@ -47,7 +47,7 @@ def build_block(block: Block, out: Path, platforms: Iterable[Target] | None = No
         "modelDescription.xml": description.replace(NO_GUID, own).encode(),
         "sources/buildDescription.xml": build_description(block.name, sources).encode(),
     }
-    files |= accompanying_files(block, parameters, start)
+    files |= accompanying_files(block, parameters, start, description)
     for name, text in sources.items():
         files[f"sources/{name}"] = text.encode()
     files |= _binaries(block.name, sources, platforms or targets(["host"]))

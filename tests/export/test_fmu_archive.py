@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import posixpath
+import re
 import subprocess
 import zipfile
 
@@ -90,6 +92,20 @@ def test_archive_holds_documentation_licence_and_sources(block_name):
     assert {"documentation/licenses/license.txt", "sources/core.c", "sources/fmi2.c"} <= names
     description = read_model_description(str(fmu_path(block_name)))
     assert all(v.name in page for v in description.modelVariables)
+
+
+def test_the_page_leads_only_to_what_is_there(block_name):
+    """Pictures, licence, reference results, and its own headings."""
+    with zipfile.ZipFile(fmu_path(block_name)) as archive:
+        names = set(archive.namelist())
+        page = archive.read("documentation/index.html").decode()
+    targets = re.findall(r'(?:href|src)="([^"]+)"', page)
+    assert {"diagram.png", "licenses/license.txt", "fmi-ls-ref.txt"} <= set(targets)
+    for target in targets:
+        if target.startswith("#"):
+            assert f'id="{target[1:]}"' in page, target
+        elif not target.startswith("http"):
+            assert posixpath.normpath(f"documentation/{target}") in names, target
 
 
 def test_every_variable_has_a_description_and_every_real_a_unit(block_name):

@@ -48,4 +48,6 @@ def build_python(name: str, out: Path) -> Path:
         TwinModel(kind, start), start, NO_GUID, ours(VERSION), [recipe.interface], now, at_start
     )
     out.mkdir(parents=True, exist_ok=True)
-    return write(out, recipe, description, accompanying_files(block, parameters, start))
+    return write(
+        out, recipe, description, accompanying_files(block, parameters, start, description)
+    )
