@@ -105,7 +105,7 @@ def couple(plan: Plan) -> Coupling:
 
 
 def _interpolates(plan: Plan, link: Link) -> bool:
-    return plan.descriptions[link.target].interpolates_inputs
+    return link.output.kind == "real" and plan.descriptions[link.target].interpolates(link.input)
 
 
 def _tangents(plan: Plan, link: Link) -> list[Tangent]:
@@ -147,7 +147,7 @@ def _rates(plan: Plan, link: Link) -> list[tuple[str, float]]:
     found, output = [], link.output
     for _ in range(2):
         rate = plan.descriptions[link.source].rate_of(output.name)
-        if rate is None or rate.type != "Real":
+        if rate is None or rate.kind != "real":
             break
         factor = _per_second(plan.descriptions[link.source], output, rate)
         if factor is None:

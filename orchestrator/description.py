@@ -6,7 +6,7 @@ import hashlib
 import os
 import zipfile
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
@@ -27,9 +27,44 @@ _INTERFACES = {
 }
 
 
+KINDS = {
+    "Real": "real",
+    "Float64": "real",
+    "Float32": "real",
+    "Boolean": "boolean",
+    "Enumeration": "enumeration",
+    "String": "string",
+    "Binary": "binary",
+    "Clock": "clock",
+}
+"""Kind of each type; all others are integers."""
+
+
+@dataclass(frozen=True)
+class Lane:
+    """Where a variable's number is in an FMU: element of `value_reference`, which has `size`.
+
+    The variable's value is gain * the FMU's + offset. difference_of: name of the variable whose
+    rate it is, where the FMU does not have it.
+    """
+
+    value_reference: int
+    element: int = 0
+    size: int = 1
+    gain: float = 1.0
+    offset: float = 0.0
+    difference_of: str = ""
+
+
 @dataclass(frozen=True)
 class Variable:
-    """A variable of an FMU. `dependencies`: inputs that an output depends on; None means all."""
+    """A variable of an FMU. `dependencies`: inputs that an output depends on; None means all.
+
+    reference: by which it is set and read; a number of its own where it has a `lane`, else the
+    value reference. dimensions: sizes, or names of the structural parameters that give them; an
+    array that is coupled is taken apart into variables without. starts: those of an array.
+    interpolated: an input that may vary over a step.
+    """
 
     name: str
     reference: int
@@ -45,6 +80,28 @@ class Variable:
     description: str = ""
     derivative_of: str | None = None
     dependencies: frozenset[str] | None = frozenset()
+    shape: tuple[int, ...] = ()
+    dimensions: tuple[int | str, ...] = ()
+    starts: tuple[str, ...] = ()
+    interpolated: bool = True
+    clocked: bool = False
+    lane: Lane | None = None
+
+    @property
+    def kind(self) -> str:
+        """What it is whatever its size in memory; one of `KINDS`, or "integer"."""
+        return KINDS.get(self.type, "integer")
+
+    @property
+    def coupled(self) -> bool:
+        """Whether it is a number that masters can exchange."""
+        numeric = self.kind not in ("string", "binary", "clock")
+        return numeric and not self.shape and not self.clocked
+
+    @property
+    def value_reference(self) -> int:
+        """By which the FMU knows it."""
+        return self.lane.value_reference if self.lane else self.reference
 
     @property
     def label(self) -> str:
@@ -66,6 +123,8 @@ class Description:
     """An FMU for co-simulation: its variables, what it can do, and where its binary is.
 
     failure_categories: those of the standard's log categories for what goes wrong that it has.
+    arrays: shapes of those that were taken apart into elements. aliases: other names of variables.
+    has_events: it has the event mode of FMI 3.0.
     """
 
     label: str
@@ -82,6 +141,18 @@ class Description:
     binary: str = ""
     sha256: str = ""
     failure_categories: tuple[str, ...] = ()
+    arrays: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    aliases: Mapping[str, str] = field(default_factory=dict)
+    has_events: bool = False
+
+    def find(self, name: str) -> Variable | None:
+        """The variable of a name, which may be an alias."""
+        return self.variables.get(name) or self.variables.get(self.aliases.get(name, ""))
+
+    def interpolates(self, variable: Variable) -> bool:
+        """Whether an input can be led along a line over a step."""
+        continuous = variable.kind == "real" and variable.interpolated
+        return self.interpolates_inputs and continuous
 
     @property
     def inputs(self) -> list[Variable]:
@@ -163,11 +234,15 @@ class Contents:
             raise FmuError(f"'{self.path}' has a wrong modelDescription.xml: {problem}") from None
 
 
-def describe(path: Path) -> Description:
-    """Read an FMU's description; raises FmuError if it cannot be co-simulated on this machine."""
+def describe(path: Path, sizes: Mapping[str, int] | None = None) -> Description:
+    """Read an FMU's description; raises FmuError if it cannot be co-simulated on this machine.
+
+    sizes: values of structural parameters, where they are not those of the start.
+    """
     path = Path(path)
     stamp = _stat(path)
-    return _describe(path.resolve(), stamp.st_mtime_ns, stamp.st_size)
+    given = tuple(sorted((sizes or {}).items()))
+    return _describe(path.resolve(), stamp.st_mtime_ns, stamp.st_size, given)
 
 
 def open_fmu(path: Path) -> Contents:
@@ -197,7 +272,8 @@ def survey(contents: Contents) -> Description:
     return Description(
         label=contents.path.name,
         variables=variables,
-        interpolates_inputs=_is_true(said, "canInterpolateInputs"),
+        interpolates_inputs=_is_true(said, "canInterpolateInputs")
+        or _is_true(said, "providesIntermediateUpdate"),  # as FMI 3 has it
         gives_derivatives=_is_true(said, "providesDirectionalDerivative")
         or _is_true(said, "providesDirectionalDerivatives"),  # as FMI 3 spells it
         single_instance=_is_true(said, "canBeInstantiatedOnlyOncePerProcess"),
@@ -213,21 +289,30 @@ def survey(contents: Contents) -> Description:
         failure_categories=tuple(
             c.name for c in contents.model.logCategories or () if c.name in FAILURES
         ),
+        aliases={
+            v.name: v.alias.name for v in contents.model.modelVariables if v.alias is not None
+        },
+        has_events=_is_true(said, "hasEventMode"),
     )
 
 
 @lru_cache(maxsize=64)
-def _describe(path: Path, _modified: int, _size: int) -> Description:
+def _describe(
+    path: Path, _modified: int, _size: int, sizes: tuple[tuple[str, int], ...]
+) -> Description:
     import fmpy
 
+    from .arrays import taken_apart
+
     contents = open_fmu(path)
-    if not contents.version.startswith("2."):
+    if not contents.version.startswith(("2.", "3.")):
         raise FmuError(
-            f"'{path}' is an FMU of FMI {contents.version or '?'}; only FMI 2.0 can be coupled"
+            f"'{path}' is an FMU of FMI {contents.version or '?'}; FMI 2.0 and 3.0 can be coupled"
         )
     if "co-simulation" not in contents.interfaces:
-        raise FmuError(f"'{path}' offers model exchange only; an FMU for co-simulation is needed")
-    description = survey(contents)
+        offered = " and ".join(contents.interfaces) or "nothing"
+        raise FmuError(f"'{path}' offers {offered} only; an FMU for co-simulation is needed")
+    description = taken_apart(survey(contents), dict(sizes))
     if not description.binary:
         offered = ", ".join(contents.platforms)
         raise FmuError(
@@ -271,10 +356,34 @@ def _variables(contents: Contents) -> dict[str, Variable]:
     for element in contents.root.iterfind("ModelVariables/ScalarVariable[DirectDependency]"):
         names = element.iterfind("DirectDependency/Name")  # as FMI 1 says it
         depends[element.get("name", "")] = frozenset(name.text or "" for name in names)
-    return {v.name: _variable(v, depends.get(v.name)) for v in read.modelVariables}
+    # fmpy reads the first start of a text only, and not which inputs may vary within a step.
+    texts = {
+        element.get("name"): tuple(start.get("value", "") for start in element.iterfind("Start"))
+        for element in contents.root.iterfind("ModelVariables/String")
+    }
+    varying = {
+        element.get("name")
+        for element in contents.root.iterfind("ModelVariables/*[@intermediateUpdate]")
+        if _is_true(element.attrib, "intermediateUpdate")
+    }
+    fmi3 = contents.version.startswith("3.")
+    called = {v.valueReference: v.name for v in reversed(read.modelVariables)}
+    variables = {}
+    for v in read.modelVariables:
+        if v.alias is None:
+            variable = _variable(v, depends.get(v.name), called)
+            if fmi3:
+                starts = texts.get(v.name) or tuple((variable.start or "").split())
+                variable = replace(
+                    variable,
+                    starts=starts if variable.shape else (),
+                    interpolated=v.name in varying and v.variability == "continuous",
+                )
+            variables[v.name] = variable
+    return variables
 
 
-def _variable(read: Any, dependencies: frozenset[str] | None) -> Variable:
+def _variable(read: Any, dependencies: frozenset[str] | None, names: Mapping[int, str]) -> Variable:
     declared = read.declaredType
     items = declared.items if declared is not None and read.type == "Enumeration" else ()
 
@@ -298,6 +407,11 @@ def _variable(read: Any, dependencies: frozenset[str] | None) -> Variable:
         description=read.description or "",
         derivative_of=read.derivative.name if read.derivative is not None else None,
         dependencies=dependencies,
+        shape=read.shape or (),
+        dimensions=tuple(
+            names[d.valueReference] if d.start is None else int(d.start) for d in read.dimensions
+        ),
+        clocked=bool(read.clocks) and read.type != "Clock",
     )
 
 
@@ -314,7 +428,10 @@ def _units(read: Any) -> dict[str, BaseUnit]:
 
 
 def _tangents(path: Path, root: Any, variables: Mapping[str, Variable]) -> tuple[Tangent, ...]:
-    found = root.findall("VendorAnnotations/Tool[@name='tracktrain']/Coupling/Tangent")
+    found = [
+        *root.findall("VendorAnnotations/Tool[@name='tracktrain']/Coupling/Tangent"),
+        *root.findall("Annotations/Annotation[@type='tracktrain']/Coupling/Tangent"),
+    ]
     tangents = tuple(Tangent(e.get("input"), e.get("output"), e.get("partial")) for e in found)
     for tangent in tangents:
         for role, causality in (("input", "input"), ("output", "output"), ("partial", "input")):

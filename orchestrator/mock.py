@@ -95,7 +95,7 @@ class MockSlave(Slave):
 
     def set_value(self, variable: Variable, value: Value) -> None:
         place = self._u if variable.name in self._u else self._p
-        place[variable.name] = float(value)
+        place[variable.name] = float(str(value))
 
     def start(self, time: float, stop: float) -> None:
         self._x = self._mock.initial(self._p)

@@ -3,31 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from .bonds import Bond, find_bonds
 from .description import Description, Variable, describe
-from .errors import CouplingError, ResultsError, UnitError, choices
+from .errors import CouplingError, ResultsError, choices
 from .feedthrough import Batch, evaluation_order
+from .links import Link, find_links
 from .mock import Mock
-from .system import Connection, System, Value, split
-from .transformation import IDENTITY, Linear, Transformation
-from .units import conversion
+from .system import Component, System, Value
 from .values import resolve
-
-
-@dataclass(frozen=True, eq=False)
-class Link:
-    """A connected input: input = gain * output + offset, the transformation included."""
-
-    source: int
-    output: Variable
-    target: int
-    input: Variable
-    gain: float = 1.0
-    offset: float = 0.0
-    transformation: Transformation = IDENTITY
 
 
 @dataclass
@@ -38,6 +24,7 @@ class Plan:
     which they become final. first_column: where each instance's begin, and the end.
     steady: for each instance the number of leading columns that depend on its states only.
     batches: feedthrough outputs in the order in which they are to be read again.
+    text_links: connections of texts, and texts: outputs that are recorded; masters know neither.
     """
 
     names: list[str]
@@ -52,6 +39,8 @@ class Plan:
     recorded: list[int]
     bonds: list[Bond]
     looped: frozenset[int]
+    text_links: list[Link] = field(default_factory=list)
+    texts: list[tuple[int, Variable]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -77,15 +66,15 @@ def make_plan(system: System, record: Sequence[str] | None = None) -> Plan:
     for name in names:
         if not name or "." in name:
             raise CouplingError(f"'{name}' cannot name an instance: it is empty or has a dot")
-    descriptions = [_description(c.fmu) for c in system.components.values()]
+    descriptions = [_description(name, c) for name, c in system.components.items()]
     _check_single_instances(names, descriptions)
     notes = list(system.notes)
-    links = _links(system.connections, names, descriptions, notes)
+    links, text_links = find_links(system.connections, names, descriptions, notes)
     values = [
-        [resolve(name, d, n, v) for n, v in c.parameters.items()]
+        [pair for n, v in c.parameters.items() for pair in resolve(name, d, n, v)]
         for (name, c), d in zip(system.components.items(), descriptions, strict=True)
     ]
-    driven = {(link.target, link.input.name): link for link in links}
+    driven = {(link.target, link.input.name): link for link in [*links, *text_links]}
     for instance, given in enumerate(values):
         for variable, _ in given:
             if link := driven.get((instance, variable.name)):
@@ -100,8 +89,9 @@ def make_plan(system: System, record: Sequence[str] | None = None) -> Plan:
         if (i, v.name) not in driven and v.name not in d.partials
     ]
     _note_open_inputs(notes, names, open_inputs, values)
-    outputs = [(i, v) for i, d in enumerate(descriptions) for v in d.outputs if v.type == "Real"]
-    wanted = _recorded(record, names, outputs, open_inputs)
+    outputs = [(i, v) for i, d in enumerate(descriptions) for v in d.outputs if v.coupled]
+    texts = [(i, v) for i, d in enumerate(descriptions) for v in d.outputs if v.kind == "string"]
+    wanted = _recorded(record, names, [*outputs, *texts], open_inputs)
     read = _read(outputs, links, descriptions, names, wanted)
     batches, loops = evaluation_order(
         [(i, v.name) for i, v in read],
@@ -121,17 +111,30 @@ def make_plan(system: System, record: Sequence[str] | None = None) -> Plan:
         steady=steady,
         batches=batches,
         values=values,
-        open_inputs=[(i, v) for i, v in open_inputs if f"{names[i]}.{v.name}" in wanted],
+        open_inputs=[
+            (i, v) for i, v in open_inputs if v.coupled and f"{names[i]}.{v.name}" in wanted
+        ],
         recorded=[n for n, (i, v) in enumerate(columns) if f"{names[i]}.{v.name}" in wanted],
         bonds=[],
         looped=frozenset(i for loop in loops for i, _ in loop),
+        text_links=text_links,
+        texts=[(i, v) for i, v in texts if f"{names[i]}.{v.name}" in wanted],
         notes=notes,
     )
     return replace(plan, bonds=find_bonds(plan.names, plan.links, descriptions, system.bonds))
 
 
-def _description(fmu: object) -> Description:
-    return fmu.description if isinstance(fmu, Mock) else describe(fmu)  # type: ignore[arg-type]
+def _description(name: str, component: Component) -> Description:
+    """What an FMU says of itself, its arrays as large as the component's values make them."""
+    if isinstance(component.fmu, Mock):
+        return component.fmu.description
+    found = describe(component.fmu)
+    sizes: dict[str, int] = {}
+    for parameter, value in component.parameters.items():
+        variable = found.find(parameter)
+        if variable is not None and variable.causality == "structuralParameter":
+            sizes |= {v.name: int(str(n)) for v, n in resolve(name, found, parameter, value)}
+    return describe(component.fmu, sizes) if sizes else found
 
 
 def _check_single_instances(names: list[str], descriptions: list[Description]) -> None:
@@ -146,115 +149,6 @@ def _check_single_instances(names: list[str], descriptions: list[Description]) -
                 f"{' and '.join(same)} are instances of {description.label}, which says that it "
                 "can be instantiated only once in a process; give each its own FMU"
             )
-
-
-def _links(
-    connections: Iterable[Connection],
-    names: list[str],
-    descriptions: list[Description],
-    notes: list[str],
-) -> list[Link]:
-    links: dict[tuple[int, str], Link] = {}
-    for connection in connections:
-        source, output = _port(connection.source, "output", names, descriptions)
-        target, port = _port(connection.target, "input", names, descriptions)
-        if previous := links.get((target, port.name)):
-            raise CouplingError(
-                f"{connection.target} is driven twice: by {names[previous.source]}."
-                f"{previous.output.name} and by {connection.source}; leave one connection out"
-            )
-        gain, offset = _conversion(
-            connection, output, port, descriptions[source], descriptions[target]
-        )
-        if (gain, offset) != (1.0, 0.0):
-            shift = f" {offset:+g}" if offset else ""
-            done = "converted" if connection.transformation == IDENTITY else "transformed"
-            notes.append(
-                f"{names[source]}.{output.label} drives {names[target]}.{port.label}: "
-                f"{done}, times {gain:g}{shift}"
-            )
-        links[target, port.name] = Link(
-            source, output, target, port, gain, offset, connection.transformation
-        )
-    return sorted(links.values(), key=lambda link: link.target)
-
-
-def _port(
-    name: str, causality: str, names: list[str], descriptions: list[Description]
-) -> tuple[int, Variable]:
-    instance, variable = split(name)
-    if instance not in names:
-        raise CouplingError(
-            f"there is no instance '{instance}' for the connection's end '{name}'; "
-            f"{choices(instance, names)}"
-        )
-    index = names.index(instance)
-    description = descriptions[index]
-    ports = [v.name for v in description.variables.values() if v.causality == causality]
-    found = description.variables.get(variable)
-    if found is None:
-        raise CouplingError(
-            f"{instance} ({description.label}) has no {causality} '{variable}'; "
-            f"{choices(variable, ports)}"
-        )
-    article = "an" if found.causality[0] in "aeiou" else "a"
-    verb = "drive an input" if causality == "output" else "be driven"
-    if found.causality != causality:
-        raise CouplingError(
-            f"{instance}.{found.label} cannot {verb}: it is {article} {found.causality}, not an "
-            f"{causality}; {choices(variable, ports)}"
-        )
-    if found.type != "Real":
-        raise CouplingError(
-            f"{instance}.{found.label} cannot {verb}: it is of type {found.type}, and only Real "
-            "variables are coupled"
-        )
-    return index, found
-
-
-def _conversion(
-    connection: Connection,
-    output: Variable,
-    port: Variable,
-    giving: Description,
-    taking: Description,
-) -> tuple[float, float]:
-    """Gain and offset from the output to the input: first the units', then the connection's."""
-    after = connection.transformation
-    if not isinstance(after, Linear):
-        raise CouplingError(
-            f"{connection.target} is driven by {connection.source} through a map of kind "
-            f"{after.kind}, and both are Real; give a linear transformation"
-        )
-    if connection.suppress_unit_conversion:
-        return after.factor, after.offset
-    gain, offset = _unit_conversion(connection, output, port, giving, taking)
-    return after.factor * gain, after(offset)
-
-
-def _unit_conversion(
-    connection: Connection,
-    output: Variable,
-    port: Variable,
-    giving: Description,
-    taking: Description,
-) -> tuple[float, float]:
-    if output.unit is None or port.unit is None:
-        return 1.0, 0.0
-    ends = (
-        f"{connection.target} [{port.unit}] cannot be driven by {connection.source} [{output.unit}]"
-    )
-    try:
-        found = conversion(output.unit, port.unit, giving.units, taking.units)
-    except UnitError as error:
-        raise CouplingError(f"{ends}: {error}; define it in the FMU's UnitDefinitions") from None
-    if found is None:
-        instance = connection.source.partition(".")[0]
-        fitting = [f"{instance}.{v.name}" for v in giving.outputs if v.unit == port.unit]
-        raise CouplingError(
-            f"{ends}; outputs in {port.unit}: {', '.join(fitting) if fitting else 'none'}"
-        )
-    return found
 
 
 def _note_open_inputs(
@@ -279,7 +173,11 @@ def _recorded(
     outputs: list[tuple[int, Variable]],
     open_inputs: list[tuple[int, Variable]],
 ) -> frozenset[str]:
-    available = [f"{names[i]}.{v.name}" for i, v in [*outputs, *open_inputs] if v.type == "Real"]
+    available = [
+        f"{names[i]}.{v.name}"
+        for i, v in [*outputs, *open_inputs]
+        if v.coupled or v.causality == "output"
+    ]
     if record is None:
         return frozenset(available)
     wanted: set[str] = set()

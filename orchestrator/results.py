@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from .bonds import BondResidual
 from .description import Variable
 from .results_file import NAME, ResultsFile, described
+from .texts import Changes, write_texts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,7 +40,8 @@ class Run:
     """A run, also one that stopped early; then `message` says why, and what came before is kept.
 
     record: values [the variables' units], shape (times, variables). path: the file that was written
-    during the run; then values are read from it as they are asked for.
+    during the run; then values are read from it as they are asked for. texts: of each text output
+    the times [s] at which it changed, and to what.
     """
 
     time: NDArray[np.float64]
@@ -52,6 +54,7 @@ class Run:
     statistics: Statistics
     notes: list[str] = field(default_factory=list)
     path: Path | None = None
+    texts: Changes = field(default_factory=dict)
 
     @property
     def real_time_factor(self) -> float:
@@ -75,13 +78,14 @@ class Run:
         return xr.Dataset(variables, {"time": time}, self.attributes)
 
     def write(self, folder: Path | str) -> Path:
-        """Write results.nc into the folder; raises ResultsError if that cannot be."""
+        """Write results.nc into the folder, and texts.csv if there are any; raises ResultsError."""
         path = Path(folder) / NAME
         if self.path is None or not path.exists() or not path.samefile(self.path):
             file = ResultsFile.create(path, self.variables, self.attributes)
             for block in self._blocks():
                 file.append(block)
             file.finish(self.message)
+            write_texts(self.texts, path.parent)
         return path
 
     def write_csv(self, folder: Path | str) -> Path:

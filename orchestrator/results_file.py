@@ -196,9 +196,12 @@ def _set_reason(path: Path, reason: str | None) -> None:
             dataset.delncattr(STOPPED)
 
 
-def described(variable: Variable) -> dict[str, str]:
-    """Attributes of a variable in a dataset."""
-    return {"units": variable.unit or "1", "description": variable.description}
+def described(variable: Variable) -> dict[str, Any]:
+    """Attributes of a variable in a dataset; items are flags, as the CF conventions write them."""
+    items = {"false": 0, "true": 1} if variable.kind == "boolean" else variable.items
+    values = [float(number) for number in items.values()]
+    flags = {"flag_values": values, "flag_meanings": " ".join(items)} if items else {}
+    return {"units": variable.unit or "1", "description": variable.description, **flags}
 
 
 def _reason(error: OSError) -> str:

@@ -22,6 +22,7 @@ from .results_file import NAME as RESULTS
 from .results_file import STOPPED, ResultsFile
 from .slave import Fmi2Slave, Logger, Slave, unzip
 from .system import Experiment, System
+from .texts import Texts
 
 Progress = Callable[[float, float], None]
 """Called with simulated time and wall time of stepping [s]."""
@@ -90,12 +91,16 @@ def simulate(
                 slave.set_value(variable, value)
         for slave in slaves:
             slave.start(start, grid.stop)
+        texts = Texts(plan, slaves, None if out is None else Path(out))
         settle(plan, slaves)
+        if texts.settle():
+            settle(plan, slaves)
         for slave in slaves:
             slave.begin_stepping()
+        texts.settle()
         first_row = settle(plan, slaves)
         prepared = module.prepare(plan, slaves)
-        opened = [(i, v) for i, v in plan.open_inputs if v.type == "Real"]
+        opened = plan.open_inputs
         constant = np.array([slaves[i].get_reals([v])[0] for i, v in opened])
         variables = [
             (plan.name(i, v), v) for i, v in [*(plan.columns[n] for n in plan.recorded), *opened]
@@ -122,6 +127,8 @@ def simulate(
                 width = 1 + len(variables)
                 file = ResultsFile.reopen(path, resumed.first_row, width, resumed.kept)
             recording.file = stack.enter_context(closing(file))
+        if resumed is None:
+            texts.begin(start)
         stepper = Stepper(module, prepared, plan, slaves, grid, recording, compiled)
         checkpoints = None
         if interval and recording.file is not None:
@@ -131,10 +138,11 @@ def simulate(
         if resumed is not None:
             resumed.restore(slaves, prepared, recording)
             stepper.resume(resumed.rows)
+            texts.resume(grid.time(resumed.rows - 1))
         elif checkpoints is not None:
             checkpoints.write(stepper.rows_done)
         wall_load, first = time.perf_counter() - begin, stepper.rows_done
-        message = stepper.run(progress, checkpoints)
+        message = stepper.run(progress, texts, checkpoints)
         if recording.file is not None:
             recording.file.finish(message)
         if checkpoints is not None and message is None:
@@ -147,6 +155,7 @@ def simulate(
         record=table[:, 1:],
         variables=variables,
         attributes=attributes if message is None else {**attributes, STOPPED: message},
+        texts=texts.changes,
         completed=message is None,
         message=message,
         bonds=recording.residuals(),
@@ -203,6 +212,8 @@ def _span(
 
 def _load(system: System, plan: Plan, stack: ExitStack, logger: Logger | None) -> list[Slave]:
     """Instances of all components; the stack frees them, then removes what was unzipped."""
+    from .fmi3 import Fmi3Slave
+
     folder = Path(stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True)))
     unzipped: dict[Path, Path] = {}
     slaves: list[Slave] = []
@@ -215,7 +226,8 @@ def _load(system: System, plan: Plan, stack: ExitStack, logger: Logger | None) -
             path = Path(component.fmu).resolve()
             if path not in unzipped:
                 unzipped[path] = unzip(path, description, folder / str(len(unzipped)))
-            slave = Fmi2Slave(name, description, unzipped[path], logger)
+            kind = Fmi2Slave if description.fmi_version.startswith("2.") else Fmi3Slave
+            slave = kind(name, description, unzipped[path], logger)
         stack.callback(slave.close)
         slaves.append(slave)
     return slaves

@@ -1,7 +1,7 @@
 """A running instance: loaded, given its start values, and from then on C functions by address.
 
-FMI 2.0 here, mocks in `mock`. FMI 3.0 will be another subclass; `Description.fmi_version` tells
-which one an instance needs, and its functions have other shapes in `masters.ffi`.
+FMI 2.0 here, FMI 3.0 in `fmi3`, mocks in `mock`. Masters call every instance by FMI 2.0's functions
+over doubles: those of an FMI 2.0 FMU that has nothing else, and `masters.adaptors` otherwise.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from enum import IntEnum
 from functools import cache
 from pathlib import Path, PurePosixPath
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakValueDictionary
 
 import numpy as np
@@ -23,6 +23,9 @@ from .archive import open_archive
 from .description import Description, Variable
 from .errors import SlaveError
 from .system import Value
+
+if TYPE_CHECKING:
+    from .lanes import Lanes
 
 Logger = Callable[[str, str, str], None]
 """Called with instance, status and message of what an FMU logs."""
@@ -54,11 +57,14 @@ class Slave(ABC):
     """One instance of an FMU. `messages` keeps what it logged."""
 
     addresses: Addresses
+    lanes: Lanes | None = None
+    """What its adaptors work with, if it is called through such."""
 
-    def __init__(self, name: str, description: Description) -> None:
+    def __init__(self, name: str, description: Description, logger: Logger | None = None) -> None:
         self.name = name
         self.description = description
         self.messages: list[str] = []
+        self._logger = logger
 
     @abstractmethod
     def set_value(self, variable: Variable, value: Value) -> None:
@@ -99,9 +105,31 @@ class Slave(ABC):
         """Be as when `state` was asked for, also in another process; raises SlaveError."""
         raise NotImplementedError
 
+    def get_texts(self, variables: Sequence[Variable]) -> list[str]:
+        """Read variables of type String; raises SlaveError."""
+        raise NotImplementedError
+
+    def set_texts(self, variables: Sequence[Variable], texts: Sequence[str]) -> None:
+        """Set inputs of type String; raises SlaveError."""
+        raise NotImplementedError
+
+    def called(self, function: str) -> str:
+        """What a function of FMI 2.0 is called in the version of this instance."""
+        return function
+
     def said(self) -> str:
         """The last message, to end a sentence with."""
-        return f": {self.messages[-1]}" if self.messages else ""
+        complaint = self.lanes.complaint() if self.lanes else ""
+        last = complaint or (self.messages[-1] if self.messages else "")
+        return f": {last}" if last else ""
+
+    def heard(self, status: int, text: str) -> None:
+        """Keep what the FMU logged, and pass it on."""
+        if status != Status.OK:
+            self.messages.append(text)
+            del self.messages[:-50]
+        if self._logger is not None:
+            self._logger(self.name, Status(status).name.lower(), text)
 
     def _reals(
         self, function: int, variables: Sequence[Variable], values: NDArray[np.float64], verb: str
@@ -123,7 +151,56 @@ class Slave(ABC):
             raise SlaveError(f"{self.name}: {verb} {names}{self.said()}")
 
 
-class Fmi2Slave(Slave):
+class FmuSlave(Slave):
+    """An instance of an FMU, as fmpy wraps it."""
+
+    _fmu: Any
+    _stepping = False
+
+    def close(self) -> None:
+        try:
+            if self._stepping:
+                self._fmu.terminate()
+        except Exception:  # an instance that failed may refuse; it is freed all the same
+            pass
+        self._fmu.freeInstance()
+
+    def state(self) -> bytes:
+        own = self.lanes.state() if self.lanes else b""
+        return len(own).to_bytes(8, "big") + own + self._serialized()
+
+    def restore(self, state: bytes) -> None:
+        end = 8 + int.from_bytes(state[:8], "big")
+        if self.lanes:
+            self.lanes.restore(state[8:end])
+        self._deserialize(state[end:])
+
+    def _serialized(self) -> bytes:
+        raise NotImplementedError
+
+    def _deserialize(self, state: bytes) -> None:
+        raise NotImplementedError
+
+    def get_texts(self, variables: Sequence[Variable]) -> list[str]:
+        names = ", ".join(v.name for v in variables)
+        references = [v.value_reference for v in variables]
+        found = self._call(f"cannot read {names}", self._fmu.getString, references)
+        return [t.decode(errors="replace") if isinstance(t, bytes) else t for t in found]
+
+    def set_texts(self, variables: Sequence[Variable], texts: Sequence[str]) -> None:
+        given = " ".join(f"{v.name} = '{t}'" for v, t in zip(variables, texts, strict=True))
+        references = [v.value_reference for v in variables]
+        self._call(f"refused {given}", self._fmu.setString, references, texts)
+
+    def _call(self, failure: str, function: Callable[..., Any], *given: Any, **named: Any) -> Any:
+        try:
+            return function(*given, **named)
+        except Exception as error:  # fmpy raises plain exceptions
+            said = self.said() or f": {error}"
+            raise SlaveError(f"{self.name} ({self.description.label}) {failure}{said}") from None
+
+
+class Fmi2Slave(FmuSlave):
     """An instance of an FMI 2.0 co-simulation FMU that was unzipped into `folder`."""
 
     def __init__(
@@ -131,9 +208,7 @@ class Fmi2Slave(Slave):
     ) -> None:
         from fmpy import calloc, fmi2, free
 
-        super().__init__(name, description)
-        self._logger = logger
-        self._in_initialization = self._stepping = False
+        super().__init__(name, description, logger)
         callbacks = fmi2.fmi2CallbackFunctions()
         callbacks.logger = _logger()
         callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(calloc)
@@ -165,12 +240,18 @@ class Fmi2Slave(Slave):
             raise SlaveError(
                 f"{name}: {description.label} cannot be instantiated{self.said()}"
             ) from None
-        library = self._fmu.dll
+        self.addresses = self._addresses()
 
+    def _addresses(self) -> Addresses:
         def address(function: str) -> int:
-            return ctypes.cast(getattr(library, function), ctypes.c_void_p).value or 0
+            return address_of(self._fmu.dll, function)
 
-        self.addresses = Addresses(
+        if any(v.lane for v in self.description.variables.values()):
+            from .lanes import Lanes
+
+            self.lanes = Lanes(self.description)
+            return self.lanes.bind(self._fmu.component, address)
+        return Addresses(
             self._fmu.component,
             *map(
                 address,
@@ -192,31 +273,29 @@ class Fmi2Slave(Slave):
             "Boolean": self._fmu.setBoolean,
             "String": self._fmu.setString,
         }[variable.type]
-        given = value.encode() if isinstance(value, str) else value
+        given = own_value(variable, value)
         unit = f" {variable.unit}" if variable.unit else ""
         what = f"refused {variable.name} = {value}{unit}"
-        self._call(what, setter, [variable.reference], [given])
+        self._call(what, setter, [variable.value_reference], [given])
 
     def start(self, time: float, stop: float) -> None:
         self._call(
             "refused the experiment", self._fmu.setupExperiment, startTime=time, stopTime=stop
         )
         self._call("cannot be initialized", self._fmu.enterInitializationMode)
-        self._in_initialization = True
 
     def begin_stepping(self) -> None:
-        self._in_initialization = False
         self._call("cannot be initialized", self._fmu.exitInitializationMode)
         self._stepping = True
 
-    def state(self) -> bytes:
+    def _serialized(self) -> bytes:
         held = self._call("cannot save its state", self._fmu.getFMUstate)
         try:
             return self._call("cannot serialize its state", self._fmu.serializeFMUstate, held)
         finally:
             self._fmu.freeFMUstate(held)
 
-    def restore(self, state: bytes) -> None:
+    def _deserialize(self, state: bytes) -> None:
         from fmpy.fmi2 import fmi2FMUstate
 
         held = fmi2FMUstate()
@@ -226,29 +305,6 @@ class Fmi2Slave(Slave):
             self._call(what, self._fmu.setFMUstate, held)
         finally:
             self._fmu.freeFMUstate(held)
-
-    def close(self) -> None:
-        try:
-            if self._stepping:
-                self._fmu.terminate()
-        except Exception:  # an instance that failed may refuse; it is freed all the same
-            pass
-        self._fmu.freeInstance()
-
-    def _call(self, failure: str, function: Callable[..., Any], *given: Any, **named: Any) -> Any:
-        try:
-            return function(*given, **named)
-        except Exception as error:
-            said = self.said() or f": {error}"
-            raise SlaveError(f"{self.name} ({self.description.label}) {failure}{said}") from None
-
-    def heard(self, status: int, text: str) -> None:
-        """Keep what the FMU logged, and pass it on."""
-        if status != Status.OK:
-            self.messages.append(text)
-            del self.messages[:-50]
-        if self._logger is not None:
-            self._logger(self.name, Status(status).name.lower(), text)
 
 
 _logging: WeakValueDictionary[int, Fmi2Slave] = WeakValueDictionary()
@@ -269,6 +325,19 @@ def _logger() -> Any:
             slave.heard(status, (message or b"").decode(errors="replace").strip())
 
     return fmi2.fmi2CallbackLoggerTYPE(log)
+
+
+def own_value(variable: Variable, value: Value) -> Value:
+    """A value as the FMU itself has it, where a port map changes it."""
+    lane = variable.lane
+    if lane is None or (lane.gain, lane.offset) == (1.0, 0.0) or not isinstance(value, float | int):
+        return value
+    return (value - lane.offset) / lane.gain
+
+
+def address_of(library: ctypes.CDLL, function: str) -> int:
+    """Address of a function of a loaded library."""
+    return ctypes.cast(getattr(library, function), ctypes.c_void_p).value or 0
 
 
 def unzip(path: Path, description: Description, folder: Path) -> Path:

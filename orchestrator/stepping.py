@@ -20,6 +20,7 @@ from .plan import Plan, columns_of
 from .recording import Recording
 from .simulation import Progress
 from .slave import Slave, Status
+from .texts import Texts
 
 CHUNK = 0.07
 """Wall time [s] between two looks at the progress callback and at Ctrl-C."""
@@ -55,9 +56,14 @@ class Stepper:
         """Take so many rows for complete."""
         self._report[0] = rows
 
-    def run(self, progress: Progress | None, checkpoints: Checkpoints | None = None) -> str | None:
-        """Step to the end, or to what stops it: the reason, else None."""
-        reason = self._run(progress, checkpoints)
+    def run(
+        self, progress: Progress | None, texts: Texts, checkpoints: Checkpoints | None = None
+    ) -> str | None:
+        """Step to the end, or to what stops it: the reason, else None.
+
+        Where there are texts to exchange, each step is a chunk of its own.
+        """
+        reason = self._run(progress, texts, checkpoints)
         with suppress(KeyboardInterrupt), uninterrupted():
             try:
                 self._recording.take(self.rows_done, now=True)
@@ -65,9 +71,11 @@ class Stepper:
                 return reason or self._unwritten(error)
         return reason
 
-    def _run(self, progress: Progress | None, checkpoints: Checkpoints | None) -> str | None:
+    def _run(
+        self, progress: Progress | None, texts: Texts, checkpoints: Checkpoints | None
+    ) -> str | None:
         begin = time.perf_counter()
-        done, size = self.rows_done - 1, 16
+        done, size = self.rows_done - 1, 1 if texts.watched else 16
         try:
             while done < self._grid.steps:
                 chunk_begin = time.perf_counter()
@@ -81,11 +89,13 @@ class Stepper:
                 spent = max(time.perf_counter() - chunk_begin, 1e-6)
                 with uninterrupted():
                     self._recording.take(self.rows_done)
+                    texts.exchange(self._grid.time(done))
                     if checkpoints is not None and done % checkpoints.interval == 0:
                         checkpoints.write(self.rows_done)
                 if progress is not None:
                     progress(self._grid.time(done), self.wall)
-                size = max(1, int(count * min(CHUNK / spent, 16.0)))
+                if not texts.watched:
+                    size = max(1, int(count * min(CHUNK / spent, 16.0)))
         except KeyboardInterrupt:
             return self._interrupted()
         except (ResultsError, CheckpointError, SlaveError) as error:
@@ -96,8 +106,14 @@ class Stepper:
 
     def messages(self) -> list[str]:
         """What the FMUs logged, once each."""
-        said = (f"{slave.name} says: {text}" for slave in self._slaves for text in slave.messages)
-        return list(dict.fromkeys(said))
+        said = [f"{slave.name} says: {text}" for slave in self._slaves for text in slave.messages]
+        rounded = [
+            f"{slave.name}.{remark}"
+            for slave in self._slaves
+            if slave.lanes is not None
+            for remark in slave.lanes.remarks()
+        ]
+        return list(dict.fromkeys([*said, *rounded]))
 
     def share_inside(self) -> float:
         """Share of the stepping time inside the FMUs.
@@ -154,9 +170,14 @@ class Stepper:
         slave = self._slaves[number]
         if isinstance(slave, MockSlave) and slave.interrupt is not None:
             return self._interrupted()
+        if slave.lanes is not None and slave.lanes.ended:
+            return (
+                f"{slave.name} asks to end the run in the step from t = "
+                f"{self._time(self.rows_done - 1):g} s{slave.said()}"
+            )
         return (
-            f"{slave.name}: {CALLS[call]} returned {Status(status).name.lower()} in the step from "
-            f"t = {self._time(self.rows_done - 1):g} s{slave.said()}"
+            f"{slave.name}: {slave.called(CALLS[call])} returned {Status(status).name.lower()} in "
+            f"the step from t = {self._time(self.rows_done - 1):g} s{slave.said()}"
         )
 
     def _order(self) -> list[int]:

@@ -13,8 +13,10 @@ from .transformation import IDENTITY, Transformation
 if TYPE_CHECKING:
     from .mock import Mock
 
-Value = float | int | bool | str
-"""A number in the variable's unit, or text: a quantity ("200 lbf/in"), an enumeration's item."""
+Value = float | int | bool | str | list["Value"] | tuple["Value", ...]
+"""A number in the variable's unit, or text: a quantity ("200 lbf/in"), an enumeration's item.
+
+For an array a list, or text: "1 2 3 mm"."""
 
 
 @dataclass(frozen=True)

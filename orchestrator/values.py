@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Iterator
 
+from .arrays import MOST, element_names, shaped
 from .description import Description, Variable
 from .errors import UnitError, ValueRefusedError, choices
 from .system import Value
 from .units import conversion, quantity
 
-WHOLE = ("Integer", "Enumeration")
+WHOLE = ("integer", "enumeration")
 NO_UNIT = (None, "", "1")
+RANGES = {
+    "Integer": (-(2**31), 2**31 - 1),
+    **{f"Int{bits}": (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1) for bits in (8, 16, 32, 64)},
+    **{f"UInt{bits}": (0, 2**bits - 1) for bits in (8, 16, 32, 64)},
+}
+"""Smallest and largest number of each integer type."""
+
+_WHOLE_NUMBER = re.compile(r"\s*[+-]?\d+\s*")
 
 
 def settable(description: Description) -> list[str]:
@@ -20,9 +31,26 @@ def settable(description: Description) -> list[str]:
 
 def resolve(
     instance: str, description: Description, name: str, value: Value
+) -> list[tuple[Variable, Value]]:
+    """Variables and values [their units, their types]: one, or those of an array's elements.
+
+    Raises ValueRefusedError or UnitError.
+    """
+    shape = description.arrays.get(name)
+    if shape is not None and name not in description.variables:
+        elements = element_names(name, shape)
+        given = _elements(f"{instance}.{name}", shape, value)
+        return [
+            _resolve(instance, description, element, each)
+            for element, each in zip(elements, given, strict=True)
+        ]
+    return [_resolve(instance, description, name, value)]
+
+
+def _resolve(
+    instance: str, description: Description, name: str, value: Value
 ) -> tuple[Variable, Value]:
-    """The variable and the value [its unit, its type]; raises ValueRefusedError or UnitError."""
-    variable = description.variables.get(name)
+    variable = description.find(name)
     full = f"{instance}.{name}"
     if variable is None:
         names = [v for v in settable(description) if v not in description.partials]
@@ -34,16 +62,28 @@ def resolve(
             f"{full} cannot be given a value: it is a {variable.variability} {variable.causality}; "
             "parameters and inputs can"
         )
-    if variable.type == "String":
+    if variable.kind in ("binary", "clock"):
+        raise ValueRefusedError(
+            f"{full} cannot be given a value: it is of type {variable.type}; numbers, booleans, "
+            "enumerations and texts can"
+        )
+    if variable.shape:
+        raise ValueRefusedError(
+            f"{full} cannot be given a value: it is an array of {shaped(variable.shape)}; those of "
+            f"up to {MOST} elements can"
+        )
+    if isinstance(value, list | tuple):
+        raise ValueRefusedError(f"{full} cannot be {list(value)}: it is no array")
+    if variable.kind == "string":
         return variable, str(value)
-    if variable.type == "Boolean":
+    if variable.kind == "boolean":
         return variable, _boolean(full, value)
     if isinstance(value, str) and value.strip() in variable.items:
         return variable, variable.items[value.strip()]
     number = _number(full, variable, description, value)
     if not math.isfinite(number):
         raise ValueRefusedError(f"{full} cannot be {number:g}: a finite number is needed")
-    if variable.type in WHOLE:
+    if variable.kind in WHOLE:
         if variable.items and number not in variable.items.values():
             raise ValueRefusedError(
                 f"{full} has no item '{value}'; {choices(str(value), variable.items)}, or a number "
@@ -59,13 +99,57 @@ def resolve(
         raise ValueRefusedError(
             f"{full} cannot be {number:g}{unit}: it must be {' and '.join(ends)}"
         )
-    return variable, int(number) if variable.type in WHOLE else number
+    if variable.type in RANGES:
+        low, high = RANGES[variable.type]
+        if not low <= number <= high:
+            raise ValueRefusedError(
+                f"{full} cannot be {int(number)}: it is of type {variable.type}, from {low} "
+                f"to {high}"
+            )
+    return variable, int(number) if variable.kind in WHOLE else float(number)
+
+
+def _elements(full: str, shape: tuple[int, ...], value: Value) -> list[Value]:
+    """A value for each element, from a list or from text such as "1 2 3 mm"; one is for all."""
+    if isinstance(value, str):
+        words = value.split()
+        count = next((n for n, word in enumerate(words) if not _is_value(word)), len(words))
+        unit = " ".join(words[count:])
+        given: list[Value] = [f"{word} {unit}" if unit else word for word in words[:count]]
+    else:
+        given = [*_flat(value)]
+    size = math.prod(shape)
+    if len(given) == 1:
+        return given * size
+    if len(given) != size:
+        raise ValueRefusedError(
+            f"{full} cannot be '{value}': it is an array of {shaped(shape)}, and {len(given)} "
+            f"values were given; give {size}, or one for all"
+        )
+    return given
+
+
+def _flat(value: Value) -> Iterator[Value]:
+    """The numbers of lists in lists, in FMI's order."""
+    if isinstance(value, list | tuple):
+        for each in value:
+            yield from _flat(each)
+    else:
+        yield value
+
+
+def _is_value(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return word.lower() in ("true", "false")
+    return True
 
 
 def _takes_value(variable: Variable) -> bool:
     if variable.variability == "constant" or variable.causality == "independent":
         return False
-    if variable.causality in ("parameter", "input"):
+    if variable.causality in ("parameter", "structuralParameter", "input"):
         return True
     return variable.initial in ("exact", "approx")
 
@@ -78,9 +162,13 @@ def _boolean(full: str, value: Value) -> bool:
     return named[key.strip().lower()]
 
 
-def _number(full: str, variable: Variable, description: Description, value: Value) -> float:
+def _number(
+    full: str, variable: Variable, description: Description, value: float | int | str
+) -> float | int:
     if not isinstance(value, str):
-        return float(value)
+        return value
+    if variable.kind in WHOLE and _WHOLE_NUMBER.fullmatch(value):
+        return int(value)  # all digits, of which a double has 15
     unit = variable.unit or ""
     try:
         number, given = quantity(value)

@@ -6,15 +6,11 @@ one call takes: the inputs of a slave, or those that one batch of a refresh sets
 
 from __future__ import annotations
 
-import hashlib
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import config as numba_config
 from numba import njit
 from numba.extending import register_jitable
 from numpy.typing import NDArray
@@ -22,6 +18,7 @@ from numpy.typing import NDArray
 from ..plan import Link, Plan, columns_of
 from ..slave import Slave
 from . import ffi
+from .compiled import kept
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -42,28 +39,11 @@ def macro_loop(function: Callable[..., None]) -> Any:
     """Compile a macro loop, once and for all runs; the plain function stays as `.py_func`.
 
     References are not counted, since nothing is allocated: for tables of some hundred arrays that
-    would cost more than the FMUs' own work. numba looks at the source of the loop alone to tell
-    whether what it keeps is up to date, so that the helpers' sources go into the folder's name.
+    would cost more than the FMUs' own work.
     """
-    from platformdirs import user_cache_path
-
-    sources = b"".join(path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py")))
-    folder = (
-        user_cache_path("tracktrain") / "macro_loops" / hashlib.sha256(sources).hexdigest()[:12]
-    )
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        keep = os.access(folder, os.W_OK)
-    except OSError:  # without a place of its own each process compiles anew
-        keep = False
-    options: dict[str, Any] = {"cache": keep, "nogil": True, "_nrt": False}
-    config: Any = numba_config
-    previous = config.CACHE_DIR
-    config.CACHE_DIR = previous or str(folder)
-    try:
+    with kept() as keep:
+        options: dict[str, Any] = {"cache": keep, "nogil": True, "_nrt": False}
         return njit(**options)(function)
-    finally:
-        config.CACHE_DIR = previous
 
 
 class Calls(NamedTuple):

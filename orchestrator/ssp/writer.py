@@ -167,15 +167,18 @@ class _Archive:
         root, units = self._root("ssv:ParameterSet", self.name), _Units()
         parameters = SubElement(root, "ssv:Parameters")
         for name, value in component.parameters.items():
-            variable, fitting = resolve(instance, description, name, value)
-            if self.changes_only and _is_start(instance, description, variable, fitting):
-                continue
-            parameter = SubElement(parameters, "ssv:Parameter", name=name)
-            kind, text, unit = _spelled(variable, value, fitting)
-            attributes = units.attribute(unit, description.units) if kind == "Real" else {}
-            if unit and not attributes and unit != variable.unit:
-                text = repr(fitting)
-            SubElement(parameter, f"ssv:{kind}", {"value": text, **attributes})
+            resolved = resolve(instance, description, name, value)
+            whole = len(resolved) == 1 and not isinstance(value, list | tuple)
+            for variable, fitting in resolved:
+                if self.changes_only and _is_start(instance, description, variable, fitting):
+                    continue
+                called = name if whole else variable.name
+                parameter = SubElement(parameters, "ssv:Parameter", name=called)
+                kind, text, unit = _spelled(variable, value if whole else fitting, fitting)
+                attributes = units.attribute(unit, description.units) if kind == "Real" else {}
+                if unit and not attributes and unit != variable.unit:
+                    text = repr(fitting)
+                SubElement(parameter, f"ssv:{kind}", {"value": text, **attributes})
         units.write(root)
         return _text(root) if len(parameters) else None
 
@@ -183,7 +186,10 @@ class _Archive:
 def _is_start(instance: str, description: Description, variable: Variable, value: Value) -> bool:
     """Whether a variable has the value anyway."""
     start = variable.start
-    return start is not None and resolve(instance, description, variable.name, start)[1] == value
+    if start is None:
+        return False
+    [(_, usual)] = resolve(instance, description, variable.name, start)
+    return usual == value
 
 
 def _spelled(variable: Variable, given: Value, fitting: Value) -> tuple[str, str, str | None]:
@@ -193,10 +199,10 @@ def _spelled(variable: Variable, given: Value, fitting: Value) -> tuple[str, str
         _, unit = quantity(given)
         return kind, given.strip().removesuffix(unit).strip(), unit or variable.unit
     if kind == "Real":
-        return kind, repr(float(given)), variable.unit
+        return kind, repr(float(str(fitting))), variable.unit
     if kind == "Enumeration":
         names = {number: name for name, number in variable.items.items()}
-        return kind, names[int(fitting)], None
+        return kind, names[int(str(fitting))], None
     return kind, str(fitting).lower() if kind == "Boolean" else str(fitting), None
 
 

@@ -275,7 +275,7 @@ def test_version_that_cannot_be_coupled_is_said(tmp_path: Path) -> None:
     assert code == 1
     assert verdict == (
         "variant.fmu cannot stand in for the block track: it lacks 17 required ports; it is an "
-        "FMU of FMI 1.0; only FMI 2.0 can be coupled."
+        "FMU of FMI 1.0; FMI 2.0 and 3.0 can be coupled."
     )
 
 

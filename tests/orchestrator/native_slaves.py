@@ -74,10 +74,10 @@ def description(variables: str, guid: str = "slave", version: str = "2.0", extra
     )
 
 
-def library(folder: Path, *flags: str) -> Path:
+def library(folder: Path, *flags: str, source: Path = SOURCE) -> Path:
     compiler = ["cc"] if shutil.which("cc") else [sys.executable, "-m", "ziglang", "cc"]
     path = folder / f"slave{fmpy.sharedLibraryExtension}"
-    subprocess.run([*compiler, "-O2", "-fPIC", "-shared", *flags, SOURCE, "-o", path], check=True)
+    subprocess.run([*compiler, "-O2", "-fPIC", "-shared", *flags, source, "-o", path], check=True)
     return path
 
 

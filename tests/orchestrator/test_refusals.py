@@ -263,7 +263,7 @@ def test_value_that_does_not_fit(name, value, message):
     ],
 )
 def test_value_arrives_in_the_variables_unit_and_type(name, value, taken):
-    found = resolve("truck", TRUCK, name, value)[1]
+    [(_, found)] = resolve("truck", TRUCK, name, value)
     assert found == pytest.approx(taken) if isinstance(taken, float) else found == taken
     assert type(found) is type(taken)
 
@@ -271,19 +271,3 @@ def test_value_arrives_in_the_variables_unit_and_type(name, value, taken):
 def test_value_for_an_input_that_is_driven():
     system = damped_mass(1.0).with_value("damper.v", 3.0)
     assert refusal(system) == ("damper.v cannot be given a value: it is driven by mass.v")
-
-
-def test_coupling_of_other_types_than_real():
-    class Counting(Mock):
-        @property
-        def description(self):
-            counter = Variable("n", 0, "Integer", "output", "discrete")
-            return Description("mock", {"n": counter})
-
-    system = System(
-        {"a": Component(Counting()), "b": Component(Mock(inputs={"u": "1"}))},
-        (Connection("a.n", "b.u"),),
-    )
-    assert refusal(system) == (
-        "a.n cannot drive an input: it is of type Integer, and only Real variables are coupled"
-    )

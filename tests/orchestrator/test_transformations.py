@@ -82,7 +82,9 @@ def test_table_between_real_variables_is_refused():
     system = oscillator()
     first, *rest = system.connections
     mapped = replace(first, transformation=Table("Boolean", ((True, False),)))
-    with pytest.raises(OrchestratorError, match="through a map of kind Boolean, and both are Real"):
+    with pytest.raises(
+        OrchestratorError, match="through a map of kind Boolean, and it is of type Real"
+    ):
         simulate(replace(system, connections=(mapped, *rest)), duration=0.1)
 
 
