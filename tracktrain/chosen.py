@@ -135,13 +135,17 @@ def chosen_file(
     step: float | None,
     settings: Sequence[Assigned],
     swaps: Sequence[Assigned],
+    unpacked: Path | None = None,
 ) -> System:
-    """The system of an .ssp or .ssd file, changed as the options say."""
+    """The system of an .ssp or .ssd file, changed as the options say.
+
+    unpacked: folder for the FMUs of an archive, where these are needed later.
+    """
     from orchestrator.ssp import read_ssp
 
     from . import changes
 
-    system = read_ssp(path, variant)
+    system = read_ssp(path, variant, folder=unpacked)
     for instance, name, value in settings:
         system = changes.assigned(_having(system, instance), instance, name, value)
     for instance, _, fmu in swaps:

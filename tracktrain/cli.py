@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -22,6 +23,9 @@ from .terminal import writable
 
 if TYPE_CHECKING:
     from orchestrator import Run
+
+FMUS_OF_CHECKPOINT = "checkpoint-fmus"
+"""Folder for what an archive holds, which a run needs again when it goes on from a checkpoint."""
 
 
 class Tracktrain(click.Group):
@@ -173,7 +177,9 @@ def run(
             system = chosen_car(**shape)
         else:
             refuse_options(ctx, CAR_ONLY, f"the car is the one that '{file}' describes")
-            system = chosen_file(file, ssd, **{k: v for k, v in shape.items() if k not in CAR_ONLY})
+            kept = folder / FMUS_OF_CHECKPOINT if how["checkpoint"] else None
+            changes = {k: v for k, v in shape.items() if k not in CAR_ONLY}
+            system = chosen_file(file, ssd, unpacked=kept, **changes)
         if resume is None:
             start = partial(
                 simulate, system, master=master, out=folder, command=ctx.meta["command"], **how
@@ -185,6 +191,8 @@ def run(
             result = start(progress=progress)
             stage("writing")
             lost = _write(result, folder, csv)
+        if result.completed:
+            shutil.rmtree(folder / FMUS_OF_CHECKPOINT, ignore_errors=True)
         if not quiet:
             _print(result, [*result.notes, *lost], folder)
     if not result.completed:

@@ -24,12 +24,16 @@ _UNPACKED: list[tempfile.TemporaryDirectory[str]] = []
 
 @dataclass(frozen=True)
 class Document:
-    """A system structure description (.ssd) in the folder that its references may not leave."""
+    """A system structure description (.ssd) in the folder that its references may not leave.
+
+    kept: where archives inside are unpacked for good; None unpacks them until the program ends.
+    """
 
     path: Path
     folder: Path
     label: str
     node: Node
+    kept: Path | None = None
 
     @cached_property
     def units(self) -> Mapping[str, BaseUnit]:
@@ -53,6 +57,11 @@ class Document:
                 f"the source '{uri}' of {wanted} is not there; {choices(unquote(uri), names)}"
             )
         return path, unquote(parts.fragment)
+
+    def inner(self, place: Path, variant: str | None) -> Document:
+        """The description that is meant by a file of this package."""
+        kept = self.kept and self.kept / "inside" / place.relative_to(self.folder)
+        return open_document(place, variant, kept)[0]
 
     def part(
         self, node: Node, inline: Node | None, root: str, wanted: str, fmu: Path | None = None
@@ -97,20 +106,23 @@ def unit_definitions(root: Node) -> Mapping[str, BaseUnit]:
     }
 
 
-def open_document(path: Path, variant: str | None = None) -> tuple[Document, list[str]]:
+def open_document(
+    path: Path, variant: str | None = None, kept: Path | None = None
+) -> tuple[Document, list[str]]:
     """The system of an .ssp or .ssd file, and the other variants that the archive holds.
 
-    variant: file name, or the name that the description gives itself. Raises SspError.
+    variant: file name, or the name that the description gives itself. kept: folder to unpack into
+    for good. Raises SspError.
     """
     if not path.exists():
         raise SspError(f"the system '{path}' cannot be read: no such file or directory")
     if path.suffix.lower() == ".ssd":
         if variant is not None:
             raise SspError(f"'{path}' is one description; a variant is chosen of an .ssp archive")
-        return _document(path.resolve(), path.parent.resolve(), str(path)), []
-    folder = _unpack(path)
+        return _document(path.resolve(), path.parent.resolve(), str(path), kept), []
+    folder = _unpack(path, kept)
     found = {
-        file.name: _document(file, folder, f"{path}: {file.name}")
+        file.name: _document(file, folder, f"{path}: {file.name}", kept)
         for file in sorted(folder.glob("*.ssd"))
     }
     if not found:
@@ -131,16 +143,18 @@ def _variant(path: Path, found: Mapping[str, Document], wanted: str | None) -> D
     raise SspError(f"'{path}' has no variant '{wanted}'; {choices(wanted, found)}")
 
 
-def _document(path: Path, folder: Path, label: str) -> Document:
-    return Document(path, folder, label, parse(path.read_bytes(), label, _ROOT))
+def _document(path: Path, folder: Path, label: str, kept: Path | None) -> Document:
+    root = parse(path.read_bytes(), label, "SystemStructureDescription")
+    return Document(path, folder, label, root, kept)
 
 
-_ROOT = "SystemStructureDescription"
-
-
-def _unpack(path: Path) -> Path:
+def _unpack(path: Path, kept: Path | None) -> Path:
     with open_archive(path) as archive:
-        folder = tempfile.TemporaryDirectory(prefix="tracktrain-ssp-", ignore_cleanup_errors=True)
-        _UNPACKED.append(folder)
-        archive.extract(archive.members, Path(folder.name))
-    return Path(folder.name).resolve()
+        if kept is None:
+            temporary = tempfile.TemporaryDirectory(
+                prefix="tracktrain-ssp-", ignore_cleanup_errors=True
+            )
+            _UNPACKED.append(temporary)
+            kept = Path(temporary.name)
+        archive.extract(archive.members, kept)
+    return kept.resolve()

@@ -20,15 +20,18 @@ STEPS = {OSP: ("FixedStepAlgorithm", "baseStepSize"), OMS: ("FixedStepMaster", "
 """Element and attribute of the macro step."""
 
 
-def read_ssp(path: Path | str, variant: str | None = None) -> System:
+def read_ssp(
+    path: Path | str, variant: str | None = None, *, folder: Path | str | None = None
+) -> System:
     """The system of an archive (.ssp), or of a description (.ssd) beside its FMUs.
 
     Nested systems are flattened: the component `truck` of a system `car` becomes the instance
     `car:truck`. variant: file name or name of the description, where an archive holds several.
-    What an archive holds stays unpacked until the program ends. Raises OrchestratorError for what
-    cannot be represented; what has no effect is said in the system's notes.
+    folder: where the FMUs of an archive are unpacked, to stay; without it they are there until
+    the program ends. Raises OrchestratorError for what cannot be represented; what has no effect
+    is said in the system's notes.
     """
-    document, others = open_document(Path(path), variant)
+    document, others = open_document(Path(path), variant, None if folder is None else Path(folder))
     root = read_structure(document)
     names, notes = _instances(root)
     if others and variant is None:

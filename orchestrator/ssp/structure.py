@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..description import Description, Variable, describe
 from ..errors import choices
-from .package import Document, open_document
+from .package import Document
 from .xml import Node
 
 FMU = "application/x-fmu-sharedlibrary"
@@ -162,7 +162,7 @@ def _component(
         return _reference(node, document, path, around)
     place, fragment = document.place(source, label)
     if kind in (SSD, SSP) or (not node.has("type") and place.suffix.lower() in (".ssd", ".ssp")):
-        nested, _ = open_document(place, fragment or None)
+        nested = document.inner(place, fragment or None)
         system = nested.node.find("System")
         if system is None:
             nested.node.fail("it has no <System>")

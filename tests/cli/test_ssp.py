@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zipfile
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ import xarray as xr
 from click.testing import CliRunner
 
 from fmus.catalogue import fmu_path
+from tracktrain import cli
 from tracktrain.cli import main
 
 SHAPE = (
@@ -132,3 +134,28 @@ def test_system_that_is_no_hopper_car_is_summed_up_by_its_outputs(tmp_path):
     assert code == 0
     assert "first 12 outputs" in said
     assert "rails.distance m" in said
+
+
+def test_run_of_an_archive_goes_on_from_its_checkpoint(archive, tmp_path, monkeypatch):
+    """The FMUs wait beside it, so that the archive may be gone; at the end they go, too."""
+    own, out = tmp_path / "own.ssp", tmp_path / "out"
+    own.write_bytes(archive.read_bytes())
+
+    @contextmanager
+    def stopping(*_: object):
+        def progress(time: float, _: float) -> None:
+            if time > 0.03:
+                raise KeyboardInterrupt
+
+        yield (lambda name: None), progress
+
+    with monkeypatch.context() as patch:
+        patch.setattr(cli, "_progress", stopping)
+        keeping = ("--checkpoint", "10ms", "--duration", "4s", "--quiet", "--out", str(out))
+        code, said = tracktrain("run", str(own), *keeping)
+    assert (code, f"go on with --resume {out}" in said) == (1, True)
+    own.unlink()
+    assert [*(out / "checkpoint-fmus").rglob("truck.fmu")]
+    assert tracktrain("run", "--resume", str(out), "--quiet") == (0, "")
+    assert float(results(out).time[-1]) == 4.0
+    assert not (out / "checkpoint-fmus").exists()
