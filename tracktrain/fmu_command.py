@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from orchestrator import Description, Variable
     from orchestrator.description import Contents
 
+    from .fmu_contents import Extras
     from .standin import StandIn
 
 BLOCKS = tuple(dict.fromkeys(BLOCK_OF.values()))
@@ -75,20 +76,25 @@ Examples:
 @click.option("--parameters", is_flag=True, help="List the parameters, too.")
 @click.option("--json", "as_json", is_flag=True, help="Print all of it as JSON.")
 def info(file: Path, parameters: bool, as_json: bool) -> None:
-    """Say what an FMU is: ports, units, capabilities, platforms, hash, provenance.
+    """Say what an FMU is: ports, units, terminals, capabilities, platforms, hash, provenance.
 
     FMI 1.0, 2.0 and 3.0, for model exchange or co-simulation.
     """
     from orchestrator.description import open_fmu, survey
 
+    from .fmu_contents import extras
+
     contents = open_fmu(file)
     description = survey(contents)
+    beside = extras(contents)
     if as_json:
-        click.echo(json.dumps(_as_data(contents, description), indent=2, ensure_ascii=False))
+        data = _as_data(contents, description, beside)
+        click.echo(json.dumps(data, indent=2, ensure_ascii=False))
         return
     console = _console()
-    _print_head(console, contents, description)
+    _print_head(console, contents, description, beside)
     _print_ports(console, contents, description)
+    _print_terminals(console, beside)
     if parameters:
         _print_parameters(console, description)
 
@@ -167,7 +173,9 @@ def _one_line(text: str | None) -> str:
     return " ".join((text or "").split())
 
 
-def _print_head(console: Console, contents: Contents, description: Description) -> None:
+def _print_head(
+    console: Console, contents: Contents, description: Description, beside: Extras
+) -> None:
     root = contents.root.attrib
     kinds = " and ".join(contents.interfaces) or "no interface"
     console.print(f"{description.label}: FMI {contents.version}, {kinds}", style="bold")
@@ -187,6 +195,12 @@ def _print_head(console: Console, contents: Contents, description: Description) 
         grid.add_row("experiment", ", ".join(f"{k} {v}" for k, v in experiment.items()))
     grid.add_row("units", _units(description) or "none")
     grid.add_row("parameters", str(len(_of(description, *PARAMETERS))))
+    grid.add_row("states", f"{beside.states}, event indicators {beside.event_indicators}")
+    for standard in beside.standards:
+        files = "\n".join(f"{role}: {source}" for role, source in standard.related)
+        grid.add_row("follows", f"{standard.name} {standard.version}\n{files}".strip())
+    for problem in beside.problems:
+        grid.add_row("problem", problem)
     grid.add_row("guid", description.guid)
     grid.add_row("sha256", description.sha256)
     console.print(grid)
@@ -270,6 +284,27 @@ def _print_ports(console: Console, contents: Contents, description: Description)
         console.print()
         title = f"{causality}s ({len(ports)})"
         console.print(_table(title, rows) if rows else f"no {causality}s")
+
+
+def _print_terminals(console: Console, beside: Extras) -> None:
+    if not beside.terminals:
+        return
+    rows = [
+        {
+            "name": terminal.name,
+            "kind": terminal.kind,
+            "rule": terminal.rule,
+            "members": ", ".join(
+                variable
+                if not name or f".{variable}".endswith(f".{name}")
+                else f"{name} = {variable}"
+                for name, variable, _ in terminal.members
+            ),
+        }
+        for terminal in beside.terminals
+    ]
+    console.print()
+    console.print(_table(f"terminals ({len(rows)})", rows))
 
 
 def _dependencies(output: Variable) -> list[str] | None:
@@ -371,7 +406,7 @@ def _shortened(names: list[str], limit: int = 8) -> str:
     return ", ".join(names[:limit]) + more
 
 
-def _as_data(contents: Contents, description: Description) -> dict[str, Any]:
+def _as_data(contents: Contents, description: Description, beside: Extras) -> dict[str, Any]:
     """All that is known of an FMU, in types that JSON has; null is what it does not say."""
     root = contents.root.attrib
     shapes = {v.name: v.shape for v in contents.model.modelVariables}
@@ -390,6 +425,29 @@ def _as_data(contents: Contents, description: Description) -> dict[str, Any]:
         "has_source": _has_source(contents),
         "interfaces": {kind: dict(said) for kind, said in contents.interfaces.items()},
         "default_experiment": _experiment(contents),
+        "states": beside.states,
+        "event_indicators": beside.event_indicators,
+        "terminals": [
+            {
+                "name": terminal.name,
+                "kind": terminal.kind,
+                "rule": terminal.rule,
+                "members": [
+                    dict(zip(("name", "variable", "kind"), member, strict=True))
+                    for member in terminal.members
+                ],
+            }
+            for terminal in beside.terminals
+        ],
+        "layered_standards": [
+            {
+                "name": standard.name,
+                "version": standard.version,
+                "related": [{"role": role, "source": source} for role, source in standard.related],
+            }
+            for standard in beside.standards
+        ],
+        "problems": beside.problems,
         "units": {
             unit: None if scale is None else asdict(scale)
             for unit, scale in _scales(description).items()

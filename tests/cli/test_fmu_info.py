@@ -247,3 +247,62 @@ def test_help_of_the_fmu_commands_shows_an_example(command: tuple[str, ...]) -> 
     result = CliRunner().invoke(main, [*command, "--help"])
     assert result.exit_code == 0
     assert "  tracktrain fmu" in result.stdout.partition("Examples:")[2]
+
+
+TERMINALS = """<fmiTerminalsAndIcons fmiVersion="3.0"><Terminals>
+<Terminal name="plug" matchingRule="sequence"><TerminalMemberVariable variableName="y"
+ variableKind="signal"/><Terminal name="inner" matchingRule="bus" terminalKind="org.any.kind">
+<TerminalMemberVariable variableName="y" memberName="height" variableKind="inflow"/></Terminal>
+</Terminal></Terminals></fmiTerminalsAndIcons>"""
+
+MANIFEST = """<fmiLayeredStandardManifest xmlns:ls="http://fmi-standard.org/fmi-ls-manifest"
+ ls:fmi-ls-name="org.any.standard" ls:fmi-ls-version="2.1" ls:fmi-ls-description="d"/>"""
+
+
+def with_extras(path: Path, terminals: str) -> Path:
+    archive(path, FMI_3)
+    with zipfile.ZipFile(path, "a") as file:
+        file.writestr("terminalsAndIcons/terminalsAndIcons.xml", terminals)
+        file.writestr("extra/org.any.standard/fmi-ls-manifest.xml", MANIFEST)
+        file.writestr("extra/org.any.standard/other.xml", "<no/>")
+    return path
+
+
+def test_states_terminals_and_reference_results_of_ours_are_told() -> None:
+    said = rows(info(fmu_path("truck")))
+    assert "states 12, event indicators 12" in said
+    assert "follows org.fmi-standard.fmi-ls-ref 1.0.0-alpha.1" in said
+    assert "result: results.csv" in said
+    assert "terminals (5)" in said
+    assert any(line.startswith("rails[1] org.tracktrain.rails bus axle[1].rail_z") for line in said)
+
+
+def test_terminals_and_layered_standards_of_others_are_told(tmp_path: Path) -> None:
+    path = with_extras(tmp_path / "new.fmu", TERMINALS)
+    said = rows(info(path))
+    assert "follows org.any.standard 2.1" in said
+    assert "plug sequence y" in said
+    assert "plug.inner org.any.kind bus height = y" in said
+    told = data(path)
+    assert told["terminals"][1]["members"] == [
+        {"name": "height", "variable": "y", "kind": "inflow"}
+    ]
+    assert told["layered_standards"] == [
+        {"name": "org.any.standard", "version": "2.1", "related": []}
+    ]
+    assert told["problems"] == []
+
+
+def test_a_terminals_file_that_is_broken_hides_nothing_else(tmp_path: Path) -> None:
+    said = info(with_extras(tmp_path / "new.fmu", "<fmiTerminalsAndIcons>"))
+    assert "terminalsAndIcons.xml that cannot be read" in " ".join(said.split())
+    assert "org.any.standard 2.1" in said
+
+
+def test_states_and_event_indicators_are_counted_in_every_version(tmp_path: Path) -> None:
+    old = data(archive(tmp_path / "old.fmu", FMI_1))
+    assert (old["states"], old["event_indicators"]) == (1, 0)
+    listed = '<ContinuousStateDerivative valueReference="2"/><EventIndicator valueReference="2"/>'
+    text = FMI_3.replace("</ModelStructure>", f"{listed}</ModelStructure>")
+    new = data(archive(tmp_path / "new.fmu", text))
+    assert (new["states"], new["event_indicators"]) == (1, 1)
