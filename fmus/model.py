@@ -6,12 +6,20 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping, MutableMapping, Sequence
+from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from typing import Any
 
 from .variables import Input, Output, Parameter, Tangent, Variable
 
 __all__ = ["Input", "Model", "Output", "Parameter", "Tangent", "Values"]
+
+KINDS: Mapping[str, Callable[[float], float]] = {
+    "real": float,
+    "integer": int,
+    "boolean": bool,
+    "enumeration": int,
+}
+"""Types of the values of a parameter."""
 
 Values = Mapping[str, float]
 """Numbers [SI] by the names of variables."""
@@ -23,11 +31,13 @@ class Model:
     All that a model keeps in `self` is its state, which a master may save, restore and store as
     bytes: numbers, booleans, text, numpy arrays, and lists, tuples or dicts of these.
 
+    author, license: as the model description shall say, if at all.
     feedthrough: for each output that an input changes within the same instant, those inputs.
     """
 
-    name: str
     description: str
+    author: str = ""
+    license: str = ""
     parameters: Sequence[Parameter] = ()
     inputs: Sequence[Input] = ()
     outputs: Sequence[Output]
@@ -50,6 +60,16 @@ class Model:
     def output(self, p: Values, u: Values) -> Values:
         """Value of each output, from the state, the parameters and the inputs as they are."""
         raise NotImplementedError
+
+    def start_values(self) -> tuple[dict[str, float], dict[str, float]]:
+        """Parameters and inputs as they are when nobody sets them [SI]."""
+        p = {v.name: KINDS[v.kind](v.default or 0.0) for v in self.parameters}
+        return p, {v.name: v.start for v in self.inputs}
+
+    @property
+    def name(self) -> str:
+        """What the FMU calls itself: the name of the model's file."""
+        return type(self).__module__.rpartition(".")[2]
 
     @property
     def references(self) -> dict[str, int]:

@@ -139,10 +139,14 @@ class TwinModel(Model):
 
     def __init__(self, kind: Callable[[], Block], values: Values) -> None:
         block = _built(kind)
-        self.name, self.description = block.name, block.description
+        self.description = block.description
         self.parameters, self.inputs, self.outputs = block.parameters, block.inputs, block.outputs
         self.tangents = block.tangents
         self._twin = Twin(block, values)
+
+    @property
+    def name(self) -> str:
+        return self._twin.block.name
 
     def start(self, p: Values, u: Values) -> None:
         self._give(p, u)

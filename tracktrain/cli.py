@@ -16,6 +16,7 @@ from .chosen import CAR_ONLY, chosen_car, chosen_file, refuse_options, system_op
 from .errors import TracktrainError
 from .failures import Stopped, clear_errors
 from .fmu_command import fmu
+from .new_command import new
 from .options import Name
 from .run_options import RESUMED, run_options, survival
 from .studies.command import study
@@ -50,6 +51,7 @@ def main() -> None:
 
 
 main.add_command(fmu)
+main.add_command(new)
 main.add_command(study)
 
 

@@ -7,6 +7,7 @@ put the sources that they need into the archive, and the same slave (`fmus/slave
 from __future__ import annotations
 
 from .flavor import build_python
+from .pack import pack
 from .sources import PackError
 
-__all__ = ["PackError", "build_python"]
+__all__ = ["PackError", "build_python", "pack"]
