@@ -166,3 +166,6 @@ WAVELENGTH = 2e-3
 
 CRITICAL_SPEED = 2e-3
 """Where a run's growth vanishes, by bisection to 1e-4, with steps of 1 ms in between."""
+
+SAME_SCHEME = 1e-9
+"""One integration scheme in two implementations over 50 steps, through friction that gives way."""
