@@ -13,6 +13,13 @@ from ..block import Block, Variable
 from ..variables import MAX, limits
 
 NATIVE = Path(__file__).parent / "native"
+QUIET = """\
+/* Generated: a function has the arguments of all, and some helpers serve no function here. */
+#if defined(__GNUC__)
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#pragma GCC diagnostic ignored "-Wunused-function"
+#endif
+"""
 TABLE_SLOTS = 16
 """Pages of a table that an instance keeps: more than the car's length spans."""
 
@@ -51,7 +58,7 @@ def _equations(block: Block) -> str:
     with tempfile.TemporaryDirectory() as folder:
         generator.generate(folder + "/")
         text = (Path(folder) / "equations.c").read_text()
-    return _without_queries(text)
+    return QUIET + _without_queries(text)
 
 
 def _without_queries(text: str) -> str:
