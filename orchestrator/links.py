@@ -226,7 +226,9 @@ def _by_table(
     if table.kind.lower() != output.kind:
         advice = "a linear transformation" if output.kind in ("real", "integer") else "one of that"
         raise CouplingError(f"{ends}, and it is of type {output.type}; give {advice}")
-    pairs = [(_number(a, output), _number(b, port)) for a, b in table.entries]
+    every = {"Boolean": (False, True), "Enumeration": (*output.items,)}.get(table.kind, ())
+    sources = dict.fromkeys((*(source for source, _ in table.entries), *every))
+    pairs = [(_number(source, output), _number(table(source), port)) for source in sources]
     if any(number is None for pair in pairs for number in pair):
         raise CouplingError(
             f"{ends}, which has items that they do not have: {_items(output)} and {_items(port)}"

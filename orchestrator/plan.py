@@ -66,7 +66,7 @@ def make_plan(system: System, record: Sequence[str] | None = None) -> Plan:
     for name in names:
         if not name or "." in name:
             raise CouplingError(f"'{name}' cannot name an instance: it is empty or has a dot")
-    descriptions = [_description(name, c) for name, c in system.components.items()]
+    descriptions = [component_description(name, c) for name, c in system.components.items()]
     _check_single_instances(names, descriptions)
     notes = list(system.notes)
     links, text_links = find_links(system.connections, names, descriptions, notes)
@@ -124,7 +124,7 @@ def make_plan(system: System, record: Sequence[str] | None = None) -> Plan:
     return replace(plan, bonds=find_bonds(plan.names, plan.links, descriptions, system.bonds))
 
 
-def _description(name: str, component: Component) -> Description:
+def component_description(name: str, component: Component) -> Description:
     """What an FMU says of itself, its arrays as large as the component's values make them."""
     if isinstance(component.fmu, Mock):
         return component.fmu.description

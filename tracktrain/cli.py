@@ -215,9 +215,8 @@ Examples:
 @click.option(
     "--standard",
     type=Name("version of SSP", ("1.0", "2.0")),
-    default="1.0",
-    show_default=True,
-    help="Version of the standard SSP; more tools read 1.0.",
+    help="Version of the standard SSP.  [default: 1.0, which more tools read; 2.0 where an FMU is "
+    "of FMI 3.0]",
 )
 @click.option(
     "--changes-only",
@@ -226,7 +225,7 @@ Examples:
     "enumerations such as a creep law; unless changed, these are left out then.",
 )
 @system_options
-def export(file: Path, standard: str, changes_only: bool, **shape: Any) -> None:
+def export(file: Path, standard: str | None, changes_only: bool, **shape: Any) -> None:
     """Write the hopper car as an SSP archive, which other co-simulation tools can run.
 
     It holds the FMUs, the values of their parameters, the connections and the experiment.

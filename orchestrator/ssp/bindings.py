@@ -6,12 +6,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from ..errors import OrchestratorError, SspError
-from ..system import Value
+from ..plan import component_description
+from ..system import Component, Value
 from ..values import resolve
 from .connections import Network, Port, Step, step_to
 from .mapping import MapEntry, entries
+from .parameter_sets import Given, read_parameters
 from .structure import Binding, Element, is_variable
-from .values import Given, read_parameters
 
 SET_TYPE = "application/x-ssp-parameter-set"
 MAP_TYPE = "application/x-ssp-parameter-mapping"
@@ -19,11 +20,11 @@ MAP_TYPE = "application/x-ssp-parameter-mapping"
 
 @dataclass
 class Parameters:
-    """Start values by component, as far as they are known; later ones replace earlier ones."""
+    """Start values by component, and the files that they are from; later ones replace others."""
 
     network: Network
     names: Mapping[Element, str]
-    values: dict[Element, dict[str, Value]] = field(default_factory=dict)
+    values: dict[Element, dict[str, tuple[Value, str]]] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
     def apply(self, element: Element) -> None:
@@ -79,15 +80,22 @@ class Parameters:
         if target in self.network.into and self.network.chain(target)[0].source.owner.fmu:
             self.notes.append(f"the start value of {full} is not used: the input is driven")
             return
-        description = target.owner.description
-        value = given.value(steps)
-        try:
-            resolve(self.names[target.owner], description, target.name, value)
-        except OrchestratorError as error:
-            raise SspError(f"'{given.node.file}': {error}") from None
-        of = self.values.setdefault(target.owner, {})
-        of.pop(target.name, None)
-        of[target.name] = value
+        given_before = self.values.setdefault(target.owner, {})
+        given_before.pop(target.name, None)  # the order is that of the last word on each
+        given_before[target.name] = (given.value(steps), given.node.file)
+
+    def of(self, element: Element) -> Component:
+        """A component with its values, checked; raises SspError."""
+        assert element.fmu is not None
+        name, found = self.names[element], self.values.get(element, {})
+        values = {variable: value for variable, (value, _) in found.items()}
+        component = Component(element.fmu, values)
+        for variable, (value, file) in found.items():
+            try:
+                resolve(name, component_description(name, component), variable, value)
+            except OrchestratorError as error:
+                raise SspError(f"'{file}': {error}") from None
+        return component
 
 
 def _parameter_set(element: Element, binding: Binding) -> tuple[str, list[Given]]:

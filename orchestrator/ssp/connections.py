@@ -112,8 +112,8 @@ def _hops(system: Element) -> Iterator[Hop]:
             if node.has(indices):
                 system.document.node.fail(
                     f"the connection of {node.get('startConnector')} and "
-                    f"{node.get('endConnector')} has {indices}: elements of arrays cannot be "
-                    "connected one by one"
+                    f"{node.get('endConnector')} has {indices}: SSP does not say whether "
+                    "elements are numbered from 0 or from 1; connect whole arrays"
                 )
         start, end = _end(system, node, "start"), _end(system, node, "end")
         source, target = (start, end) if _flows_on(system, start, end) else (end, start)

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from ..system import Component, Experiment, PowerBond, System
+from ..system import Experiment, PowerBond, System
 from .bindings import Parameters
 from .connections import GIVES, Network, Port, connections, read_network
 from .package import Document, open_document
@@ -41,11 +41,7 @@ def read_ssp(
     parameters.apply(root)
     notes += [*parameters.notes, *_exposed(root, network, names), *_ignored(root)]
     return System(
-        components={
-            name: Component(element.fmu, parameters.values.get(element, {}))
-            for element, name in names.items()
-            if element.fmu
-        },
+        components={name: parameters.of(element) for element, name in names.items()},
         connections=tuple(connections(root, network, names)),
         bonds=_bonds(root),
         experiment=_experiment(document, root),

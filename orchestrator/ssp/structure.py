@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from ..arrays import element_names, shaped
 from ..description import Description, Variable, describe
 from ..errors import choices
 from .package import Document
@@ -31,11 +32,15 @@ TYPES = {
 
 @dataclass(frozen=True)
 class Connector:
-    """A connector as it is declared; the unit is None where it is left to what is behind it."""
+    """A connector as it is declared; the unit is None where it is left to what is behind it.
+
+    sizes: of an array, with None for what is not said or depends on a parameter.
+    """
 
     kind: str
     type: str | None = None
     unit: str | None = None
+    sizes: tuple[int | None, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -80,13 +85,14 @@ class Element:
 
 
 def is_variable(description: Description, name: str) -> bool:
-    """Whether an FMU has a variable of that name."""
-    return name in description.variables
+    """Whether an FMU has a variable, an alias of one or an array of that name."""
+    return description.find(name) is not None or name in description.arrays
 
 
 def variable_of(description: Description, name: str) -> Variable:
-    """An FMU's variable of that name."""
-    return description.variables[name]
+    """An FMU's variable of that name; of an array the first element."""
+    found = description.find(name)
+    return found or description.variables[element_names(name, description.arrays[name])[0]]
 
 
 def read_structure(document: Document) -> Element:
@@ -211,9 +217,13 @@ def _connectors(node: Node) -> Mapping[str, Connector]:
 
 def _connector(node: Node, kind: str) -> Connector:
     typed = next((child for child in node if child.tag in TYPES), None)
+    sizes = tuple(
+        int(dimension.number("size")) if dimension.has("size") else None
+        for dimension in node.all("Dimension")
+    )
     if typed is None:
-        return Connector(kind)
-    return Connector(kind, typed.tag, typed.get("unit") or None)
+        return Connector(kind, sizes=sizes)
+    return Connector(kind, typed.tag, typed.get("unit") or None, sizes)
 
 
 def read_dictionaries(system: Node, document: Document) -> Dictionaries:
@@ -246,3 +256,16 @@ def _check_connector(element: Element, name: str) -> None:
         fail(f"{label} is declared {declared.kind}, but is {variable.causality} of its FMU")
     if declared.type and TYPES[declared.type] != TYPES[variable.type]:
         fail(f"{label} is declared {declared.type}, but is {variable.type} in its FMU")
+    shape = description.arrays.get(name, ())
+    fits = len(shape) == len(declared.sizes) and all(
+        size in (None, actual) for size, actual in zip(declared.sizes, shape, strict=True)
+    )
+    if declared.sizes and not fits and not _is_sizable(description):
+        said = shaped(tuple(size or 0 for size in declared.sizes))
+        actual = f"an array of {shaped(shape)}" if shape else "no array"
+        fail(f"{label} is declared an array of {said}, but is {actual} in its FMU")
+
+
+def _is_sizable(description: Description) -> bool:
+    """Whether sizes of an FMU's arrays depend on its parameters."""
+    return any(v.causality == "structuralParameter" for v in description.variables.values())

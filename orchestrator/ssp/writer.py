@@ -7,23 +7,31 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import quote
-from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
+from ..arrays import element_names
 from ..description import Description, Variable, describe
-from ..errors import SspError, UnitError, choices
+from ..errors import SspError, choices
 from ..mock import Mock
-from ..system import Component, Connection, Experiment, System, Value, split
+from ..plan import component_description
+from ..system import Component, Connection, Experiment, System, split
 from ..transformation import IDENTITY, Linear, Transformation
-from ..units import BaseUnit, Definitions, base_unit, quantity
-from ..values import resolve
+from ..units import Definitions
 from .package import DEFAULT
+from .parameter_sets import (
+    ParameterSet,
+    UnitsInUse,
+    shape_of,
+    type_in,
+    write_dimensions,
+)
 from .reader import OSP, OWN
 from .structure import TYPES
-from .xml import NAMESPACES
+from .xml import new_document, text_of
 
 VERSIONS = ("1.0", "2.0")
 CONNECTORS = ("input", "output")
+WRITTEN = ("Real", "Integer", "Boolean", "String", "Enumeration")
 DATE = (1980, 1, 1, 0, 0, 0)
 """That of all members: the same system gives the same bytes."""
 
@@ -33,15 +41,17 @@ def write_ssp(
     path: Path | str,
     *,
     name: str | None = None,
-    version: str = "1.0",
+    version: str | None = None,
     changes_only: bool = False,
 ) -> Path:
     """Write a system as an archive: its FMUs, values, connections, experiment and power bonds.
 
-    name: of the system; the file's by default. version: "1.0" or "2.0". changes_only: leave out
-    values that the FMUs start with anyway. Raises OrchestratorError.
+    name: of the system; the file's by default. version: "1.0", or "2.0", which has the types and
+    arrays of FMI 3.0; by default the first that will do. changes_only: leave out values that the
+    FMUs start with anyway. Raises OrchestratorError.
     """
     path = Path(path)
+    version = version or _version(system)
     if version not in VERSIONS:
         raise SspError(f"SSP has no version '{version}'; {choices(version, VERSIONS)}")
     archive = _Archive(version, name or path.stem, changes_only)
@@ -61,33 +71,9 @@ def write_ssp(
     return path
 
 
-@dataclass
-class _Units:
-    """Units that a file refers to and therefore defines."""
-
-    defined: dict[str, BaseUnit] = field(default_factory=dict)
-
-    def attribute(self, unit: str | None, definitions: Definitions) -> dict[str, str]:
-        """The attribute that refers to a unit; none for what SSP cannot define."""
-        try:
-            found = base_unit(unit, definitions) if unit else None
-        except UnitError:
-            return {}
-        if unit is None or found is None:
-            return {}
-        self.defined[unit] = found
-        return {"unit": unit}
-
-    def write(self, parent: Element) -> None:
-        if self.defined:
-            units = SubElement(parent, f"{parent.tag.partition(':')[0]}:Units")
-            for name, unit in sorted(self.defined.items()):
-                exponents = {k: str(n) for k, n in unit.exponents.items() if n}
-                scale = {"factor": repr(unit.factor)} if unit.factor != 1.0 else {}
-                if unit.offset:
-                    scale["offset"] = repr(unit.offset)
-                one = SubElement(units, "ssc:Unit", name=name)
-                SubElement(one, "ssc:BaseUnit", exponents | scale)
+def _version(system: System) -> str:
+    fmus = [_fmu(name, component) for name, component in system.components.items()]
+    return "2.0" if any(describe(fmu).fmi_version.startswith("3") for fmu in fmus) else "1.0"
 
 
 @dataclass
@@ -95,24 +81,29 @@ class _Archive:
     version: str
     name: str
     changes_only: bool
-    units: _Units = field(default_factory=_Units)
+    units: UnitsInUse = field(default_factory=UnitsInUse)
     enumerations: dict[tuple[tuple[str, int], ...], str] = field(default_factory=dict)
 
     def members(self, system: System) -> dict[str, bytes | Path]:
         """Content of each member; files are given by their paths."""
         fmus = _places(system.components)
         files: dict[str, bytes | Path] = {place: path for path, place in fmus.items()}
-        root = self._root("ssd:SystemStructureDescription", self.name)
+        root = new_document("ssd:SystemStructureDescription", self.version, self.name)
         whole = SubElement(root, "ssd:System", name=self.name)
         elements = SubElement(whole, "ssd:Elements")
+        descriptions: dict[str, Description] = {}
         for instance, component in system.components.items():
-            values = self._parameter_set(instance, component)
+            fmu = fmus[_fmu(instance, component)]
+            description = component_description(instance, component)
+            descriptions[instance] = description
+            # All sets have the system's name, by which ecos asks for them.
+            parameters = ParameterSet(self.version, self.name)
+            values = parameters.write(instance, component, description, self.changes_only)
             place = f"resources/{instance}.ssv" if values else None
             if place and values:
                 files[place] = values
-            fmu = fmus[_fmu(instance, component)]
-            self._component(elements, instance, component, fmu, place)
-        _connect(whole, system.connections)
+            self._component(elements, instance, description, fmu, place)
+        _connect(whole, system.connections, descriptions)
         if system.bonds is not None:
             bonds = _annotation(whole, OWN, "PowerBonds")
             for bond in system.bonds:
@@ -120,30 +111,35 @@ class _Archive:
         self._enumerations(root)
         self.units.write(root)
         _experiment(root, system.experiment)
-        return {DEFAULT: _text(root), **files}
-
-    def _root(self, tag: str, name: str) -> Element:
-        return Element(tag, version=self.version, name=name, generationTool="tracktrain")
+        return {DEFAULT: text_of(root), **files}
 
     def _component(
-        self, parent: Element, instance: str, component: Component, fmu: str, values: str | None
+        self,
+        parent: Element,
+        instance: str,
+        description: Description,
+        fmu: str,
+        values: str | None,
     ) -> None:
-        description = describe(_fmu(instance, component))
         node = SubElement(parent, "ssd:Component", name=instance, source=quote(fmu))
-        ports = [v for v in description.variables.values() if v.causality in CONNECTORS]
+        ports = {
+            name: variable
+            for name, variable in _whole_variables(description).items()
+            if variable.causality in CONNECTORS and TYPES[variable.type] in WRITTEN
+        }
         if ports:
             connectors = SubElement(node, "ssd:Connectors")
-            for port in ports:
-                connector = SubElement(
-                    connectors, "ssd:Connector", name=port.name, kind=port.causality
-                )
+            for name, port in ports.items():
+                connector = SubElement(connectors, "ssd:Connector", name=name, kind=port.causality)
                 self._type(connector, port, description.units)
+                shape = shape_of(description, name)
+                write_dimensions(connector, shape, self.version, f"{instance}.{name}")
         if values:
             bindings = SubElement(node, "ssd:ParameterBindings")
             SubElement(bindings, "ssd:ParameterBinding", source=quote(values))
 
     def _type(self, connector: Element, port: Variable, definitions: Definitions) -> None:
-        kind = port.type if self.version != "1.0" else TYPES[port.type]
+        kind = type_in(self.version, port)
         attributes = {}
         if TYPES[port.type] == "Real":
             attributes = self.units.attribute(port.unit, definitions)
@@ -160,50 +156,6 @@ class _Archive:
                 node = SubElement(parent, "ssc:Enumeration", name=name)
                 for item, value in items:
                     SubElement(node, "ssc:Item", name=item, value=str(value))
-
-    def _parameter_set(self, instance: str, component: Component) -> bytes | None:
-        """A component's values; all sets have the system's name, by which ecos asks for them."""
-        description = describe(_fmu(instance, component))
-        root, units = self._root("ssv:ParameterSet", self.name), _Units()
-        parameters = SubElement(root, "ssv:Parameters")
-        for name, value in component.parameters.items():
-            resolved = resolve(instance, description, name, value)
-            whole = len(resolved) == 1 and not isinstance(value, list | tuple)
-            for variable, fitting in resolved:
-                if self.changes_only and _is_start(instance, description, variable, fitting):
-                    continue
-                called = name if whole else variable.name
-                parameter = SubElement(parameters, "ssv:Parameter", name=called)
-                kind, text, unit = _spelled(variable, value if whole else fitting, fitting)
-                attributes = units.attribute(unit, description.units) if kind == "Real" else {}
-                if unit and not attributes and unit != variable.unit:
-                    text = repr(fitting)
-                SubElement(parameter, f"ssv:{kind}", {"value": text, **attributes})
-        units.write(root)
-        return _text(root) if len(parameters) else None
-
-
-def _is_start(instance: str, description: Description, variable: Variable, value: Value) -> bool:
-    """Whether a variable has the value anyway."""
-    start = variable.start
-    if start is None:
-        return False
-    [(_, usual)] = resolve(instance, description, variable.name, start)
-    return usual == value
-
-
-def _spelled(variable: Variable, given: Value, fitting: Value) -> tuple[str, str, str | None]:
-    """Type, text and unit of a value as it was given; `fitting` is what its variable gets."""
-    kind = TYPES[variable.type]
-    if kind == "Real" and isinstance(given, str):
-        _, unit = quantity(given)
-        return kind, given.strip().removesuffix(unit).strip(), unit or variable.unit
-    if kind == "Real":
-        return kind, repr(float(str(fitting))), variable.unit
-    if kind == "Enumeration":
-        names = {number: name for name, number in variable.items.items()}
-        return kind, names[int(str(fitting))], None
-    return kind, str(fitting).lower() if kind == "Boolean" else str(fitting), None
 
 
 def _fmu(instance: str, component: Component) -> Path:
@@ -224,13 +176,25 @@ def _places(components: Mapping[str, Component]) -> dict[Path, str]:
     return places
 
 
-def _connect(whole: Element, connections: Iterable[Connection]) -> None:
+def _connect(
+    whole: Element, connections: Iterable[Connection], descriptions: Mapping[str, Description]
+) -> None:
     connections = tuple(connections)
     if not connections:
         return
+    own = {name: _whole_variables(description) for name, description in descriptions.items()}
     parent = SubElement(whole, "ssd:Connections")
     for connection in connections:
         (start, output), (end, port) = split(connection.source), split(connection.target)
+        for instance, variable in ((start, output), (end, port)):
+            if (
+                instance in own
+                and variable in descriptions[instance].variables.keys() - own[instance]
+            ):
+                raise SspError(
+                    f"{instance}.{variable} is an element of an array; SSP does not say whether "
+                    "elements are numbered from 0 or from 1; connect whole arrays"
+                )
         ends = {"startElement": start, "startConnector": output}
         ends |= {"endElement": end, "endConnector": port}
         if connection.suppress_unit_conversion:
@@ -267,10 +231,12 @@ def _annotation(parent: Element, kind: str, tag: str) -> Element:
     return SubElement(SubElement(annotations, "ssc:Annotation", type=kind), tag)
 
 
-def _text(root: Element) -> bytes:
-    """The document, with the prefixes that the standard uses: some readers know no others."""
-    used = {tag.partition(":")[0] for node in root.iter() if ":" in (tag := node.tag)}
-    for prefix in sorted(used):
-        root.set(f"xmlns:{prefix}", NAMESPACES[prefix])
-    ElementTree.indent(root)
-    return ElementTree.tostring(root, encoding="utf-8", xml_declaration=True) + b"\n"
+def _whole_variables(description: Description) -> dict[str, Variable]:
+    """An FMU's own variables: arrays of FMI 3.0 whole, by their first elements."""
+    if not description.fmi_version.startswith("3"):
+        return dict(description.variables)
+    whole: dict[str, Variable] = {}
+    arrays = {e: name for name, s in description.arrays.items() for e in element_names(name, s)}
+    for name, variable in description.variables.items():
+        whole.setdefault(arrays.get(name, name), variable)
+    return whole

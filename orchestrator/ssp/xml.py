@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NoReturn
 from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
 from ..archive import parse_xml
 from ..errors import SspError
@@ -95,3 +96,17 @@ def check(node: Node, root: str, inherited: str = "") -> None:
     version = node.get("version", inherited)
     if version.partition(".")[0] not in ("1", "2"):
         node.fail(f"<{root}> is of version '{version}' of SSP; 1.0 and 2.0 can be read")
+
+
+def new_document(tag: str, version: str, name: str) -> Element:
+    """The root of a document to write, such as "ssv:ParameterSet"."""
+    return Element(tag, version=version, name=name, generationTool="tracktrain")
+
+
+def text_of(root: Element) -> bytes:
+    """The document, with the prefixes that the standard uses: some readers know no others."""
+    used = {tag.partition(":")[0] for node in root.iter() if ":" in (tag := node.tag)}
+    for prefix in sorted(used):
+        root.set(f"xmlns:{prefix}", NAMESPACES[prefix])
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="utf-8", xml_declaration=True) + b"\n"

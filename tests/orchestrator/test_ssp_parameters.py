@@ -232,7 +232,7 @@ def test_what_nothing_takes_is_said(read):
         ({"start_v": real(1e3)}, "", "mass.start_v cannot be 1000 m/s: it must be at most 100"),
         ({"v": real(1.0)}, "", "mass.v cannot be given a value: it is a continuous output"),
         ({"m": 'Binary value="00"'}, "", "is of type Binary, which cannot be given"),
-        ({"m": 'Real value="1 2"'}, "", "mass.m cannot be '1.0 2.0'"),
+        ({"m": 'Real value="1 2"'}, "", "mass.m cannot be [1.0, 2.0]: it is no array"),
         (
             {"m": 'Boolean value="true"'},
             ssm(entry("m", "m", linear(2.0))),

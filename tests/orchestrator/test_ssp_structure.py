@@ -423,7 +423,7 @@ def test_what_is_for_other_tools_is_said(archive):
         ),
         (
             PAIR + connections(connection("damper.force", "mass.force", "", 'endIndices="1"')),
-            "has endIndices: elements of arrays cannot be connected one by one",
+            "has endIndices: SSP does not say whether elements are numbered from 0 or from 1",
         ),
         (
             elements(component("a", DAMPER), component("a", MASS)),
