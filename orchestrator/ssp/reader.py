@@ -39,7 +39,8 @@ def read_ssp(
     network = read_network(root)
     parameters = Parameters(network, names)
     parameters.apply(root)
-    notes += [*parameters.notes, *_exposed(root, network, names), *_ignored(root)]
+    notes += [*parameters.notes, *_exposed(root, network, names)]
+    notes += [*_asked_steps(names), *_ignored(root)]
     return System(
         components={name: parameters.of(element) for element, name in names.items()},
         connections=tuple(connections(root, network, names)),
@@ -73,6 +74,15 @@ def _exposed(root: Element, network: Network, names: Mapping[Element, str]) -> I
             found.append(f"{name} is {names[hops[0].source.owner]}.{hops[0].source.name}")
     if found:
         yield f"outputs of the system '{root.name}', before transformations: {', '.join(found)}"
+
+
+def _asked_steps(names: Mapping[Element, str]) -> Iterator[str]:
+    """Notes of components that ask for steps of their own, by the annotation that libcosim has."""
+    for element, name in names.items():
+        for annotation in element.annotations:
+            hint = annotation.find("StepSizeHint") if annotation.get("type") == OSP else None
+            if hint:
+                yield f"{name} asks for steps of {hint.number('value'):g} s; it takes the macro step"
 
 
 def _ignored(root: Element) -> Iterator[str]:

@@ -377,6 +377,17 @@ def test_system_in_the_manner_of_omsimulator(archive):
     assert len(simulate(read).time) == 21
 
 
+def test_step_that_a_component_asks_for_is_said(archive):
+    """By the annotation of the Open Simulation Platform."""
+    hint = (
+        '<ssd:Annotations><ssc:Annotation type="com.opensimulationplatform"><osp:StepSizeHint '
+        'xmlns:osp="http://opensimulationplatform.com/SSP/OSPAnnotations" value="0.01"/>'
+        "</ssc:Annotation></ssd:Annotations>"
+    )
+    read = read_ssp(archive(ssd(elements(component("mass", MASS, hint)))))
+    assert read.notes == ("mass asks for steps of 0.01 s; it takes the macro step",)
+
+
 def test_what_is_for_other_tools_is_said(archive):
     extra = '<ssd:Annotations><ssc:Annotation type="org.example.colours"/></ssd:Annotations>'
     outputs = connectors(total="output")
