@@ -82,7 +82,8 @@ def _asked_steps(names: Mapping[Element, str]) -> Iterator[str]:
         for annotation in element.annotations:
             hint = annotation.find("StepSizeHint") if annotation.get("type") == OSP else None
             if hint:
-                yield f"{name} asks for steps of {hint.number('value'):g} s; it takes the macro step"
+                step = hint.number("value")
+                yield f"{name} asks for steps of {step:g} s; it takes the macro step"
 
 
 def _ignored(root: Element) -> Iterator[str]:
