@@ -13,6 +13,7 @@ from .checkpoint import read_checkpoint
 from .description import Description, Tangent, Variable, describe
 from .errors import OrchestratorError
 from .mock import Mock
+from .port_map import Port, PortMap, read_port_map
 from .results import Run
 from .simulation import resume, simulate
 from .system import Component, Connection, Experiment, PowerBond, System
@@ -27,6 +28,8 @@ __all__ = [
     "Linear",
     "Mock",
     "OrchestratorError",
+    "Port",
+    "PortMap",
     "PowerBond",
     "Run",
     "System",
@@ -35,6 +38,7 @@ __all__ = [
     "Variable",
     "describe",
     "read_checkpoint",
+    "read_port_map",
     "resume",
     "simulate",
 ]

@@ -127,6 +127,8 @@ def make_plan(system: System, record: Sequence[str] | None = None) -> Plan:
 def component_description(name: str, component: Component) -> Description:
     """What an FMU says of itself, its arrays as large as the component's values make them."""
     if isinstance(component.fmu, Mock):
+        if component.ports is not None:
+            raise CouplingError(f"{name} is a mock, which takes no port map; name its ports so")
         return component.fmu.description
     found = describe(component.fmu)
     sizes: dict[str, int] = {}
@@ -134,7 +136,8 @@ def component_description(name: str, component: Component) -> Description:
         variable = found.find(parameter)
         if variable is not None and variable.causality == "structuralParameter":
             sizes |= {v.name: int(str(n)) for v, n in resolve(name, found, parameter, value)}
-    return describe(component.fmu, sizes) if sizes else found
+    described = describe(component.fmu, sizes) if sizes else found
+    return component.ports.applied(described) if component.ports else described
 
 
 def _check_single_instances(names: list[str], descriptions: list[Description]) -> None:

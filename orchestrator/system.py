@@ -12,6 +12,7 @@ from .transformation import IDENTITY, Transformation
 
 if TYPE_CHECKING:
     from .mock import Mock
+    from .port_map import PortMap
 
 Value = float | int | bool | str | list["Value"] | tuple["Value", ...]
 """A number in the variable's unit, or text: a quantity ("200 lbf/in"), an enumeration's item.
@@ -21,10 +22,14 @@ For an array a list, or text: "1 2 3 mm"."""
 
 @dataclass(frozen=True)
 class Component:
-    """An FMU, with start values of its parameters and of inputs that nothing drives."""
+    """An FMU, with start values of its parameters and of inputs that nothing drives.
+
+    ports: what the system's names are in the FMU, where it has other ones.
+    """
 
     fmu: Path | Mock
     parameters: Mapping[str, Value] = field(default_factory=dict)
+    ports: PortMap | None = None
 
 
 @dataclass(frozen=True)
@@ -70,9 +75,9 @@ class System:
     experiment: Experiment = Experiment()
     notes: tuple[str, ...] = field(default=(), compare=False)
 
-    def with_fmu(self, instance: str, path: Path | Mock) -> System:
+    def with_fmu(self, instance: str, path: Path | Mock, ports: PortMap | None = None) -> System:
         """The same system with another FMU in an instance's place; its values are kept."""
-        component = replace(self._component(instance), fmu=path)
+        component = replace(self._component(instance), fmu=path, ports=ports)
         return replace(self, components={**self.components, instance: component})
 
     def with_value(self, name: str, value: Value) -> System:

@@ -11,38 +11,81 @@ from .errors import HopperError, choices
 from .hopper import BLOCK_OF, required_ports
 
 if TYPE_CHECKING:
-    from orchestrator import System
+    from orchestrator import Description, PortMap, System
     from orchestrator.system import Value
 
 COORDINATE = "initial."
 
 
-def swapped(system: System, instance: str, path: Path) -> tuple[System, list[str]]:
-    """The car with another FMU as `instance`, and the parameters of the car that it lacks.
+def swapped(
+    system: System, instance: str, path: Path, ports: PortMap | None = None
+) -> tuple[System, list[str]]:
+    """The car with another FMU as `instance`, and notes about what it lacks.
 
-    Those that it has keep the car's values, converted where it has them in other units. Raises
-    HopperError when ports are missing, and orchestrator.FmuError for a file that cannot be coupled.
+    ports: what the block's names are in the FMU. Parameters that it has keep the car's values,
+    converted where it has them in other units; velocities that it does not give are differentiated
+    from its positions. Raises HopperError when ports are missing, and orchestrator.FmuError for a
+    file that cannot be coupled.
     """
     from orchestrator import describe
 
-    description = describe(path)
-    missing = sorted(required_ports(instance) - set(description.variables))
+    own = describe(_fmu(system, instance))
+    ports, found = seen(system, instance, path, ports)
+    missing = sorted(name for name in required_ports(instance) if found.find(name) is None)
     if missing:
         raise HopperError(
             f"'{path}' cannot stand in for {instance}: it lacks the ports {', '.join(missing)}; "
-            f"give an FMU with all ports of the block '{BLOCK_OF[instance]}'"
+            f"give an FMU with all ports of the block '{BLOCK_OF[instance]}', or a map that says "
+            "what they are called"
         )
-    replaced = describe(_fmu(system, instance)).variables
-    swap = system.with_fmu(instance, path)
+    swap = system.with_fmu(instance, path, ports)
     component = swap.components[instance]
-    lacking = [name for name in component.parameters if name not in description.variables]
     kept = {
-        name: _with_unit(value, replaced[name].unit)
+        name: _with_unit(value, own.variables[name].unit)
         for name, value in component.parameters.items()
-        if name not in lacking
+        if found.find(name) is not None
     }
     components = {**swap.components, instance: replace(component, parameters=kept)}
-    return replace(swap, components=components), lacking
+    lacking = [name for name in component.parameters if name not in kept]
+    absent = [
+        v.name
+        for v in (*own.inputs, *own.outputs)
+        if found.find(v.name) is None and v.name not in own.partials
+    ]
+    label = f"{path} as {instance}"
+    notes = [
+        f"{label} lacks the {what} {', '.join(names)}"
+        for what, names in (("parameters", lacking), ("optional ports", absent))
+        if names
+    ]
+    if ports is not None and ports.rates:
+        notes.append(f"{label}: {differentiated(ports)}")
+    return replace(swap, components=components), notes
+
+
+def seen(
+    system: System, instance: str, path: Path, ports: PortMap | None
+) -> tuple[PortMap | None, Description]:
+    """A map fitted to an instance, None if it changes nothing, and an FMU as seen through it."""
+    from orchestrator import PortMap, describe
+
+    found = describe(path)
+    ends = [end for c in system.connections for end in (c.source, c.target)]
+    owned = (end.partition(".")[::2] for end in ends)
+    needed = {name for owner, name in owned if owner == instance}
+    fitted = (ports or PortMap()).fitted(describe(_fmu(system, instance)), found, needed)
+    if fitted == PortMap():
+        return None, found
+    return fitted, fitted.applied(found)
+
+
+def differentiated(ports: PortMap) -> str:
+    """Which outputs a map differentiates, and how well."""
+    return (
+        f"{', '.join(ports.rates)} differentiated from {', '.join(ports.rates.values())}: backward "
+        "differences of second order over the macro steps, wrong by a third of the step squared "
+        "times the third derivative; 0 at the start"
+    )
 
 
 def displaced(system: System, instance: str, coordinate: str, value: str) -> System:

@@ -15,7 +15,7 @@ from .hopper import BLOCK_OF, CARS, TRACKS
 from .options import Assignment, Name, Quantity
 
 if TYPE_CHECKING:
-    from orchestrator import System
+    from orchestrator import PortMap, System
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 Assigned = tuple[str, str, str]
@@ -86,7 +86,16 @@ _OPTIONS = (
         type=Assignment(tuple(BLOCK_OF), "instance=path.fmu"),
         multiple=True,
         metavar="INSTANCE=FMU",
-        help="Put another FMU with the same ports in an instance's place. Repeatable.",
+        help="Put another FMU in an instance's place. Repeatable.",
+    ),
+    click.option(
+        "--map",
+        "maps",
+        type=Assignment(tuple(BLOCK_OF), "instance=map.toml"),
+        multiple=True,
+        metavar="INSTANCE=FILE",
+        help="What the instance's ports are called in the FMU of --swap, with signs and units, in "
+        "TOML or as an SSP parameter map (.ssm). Repeatable.",
     ),
 )
 
@@ -108,6 +117,7 @@ def chosen_car(
     settings: Sequence[Assigned],
     initials: Sequence[Assigned],
     swaps: Sequence[Assigned],
+    maps: Sequence[Assigned],
 ) -> System:
     """The hopper car that the options mean, with its experiment."""
     from orchestrator import Experiment
@@ -116,10 +126,10 @@ def chosen_car(
 
     system = hopper.hopper_car(car, speed, track, seed)
     notes = []
+    port_maps = _port_maps(maps, swaps)
     for instance, _, path in swaps:
-        system, lacking = changes.swapped(system, instance, Path(path))
-        if lacking:
-            notes.append(f"{path} as {instance} lacks the parameters {', '.join(lacking)}")
+        system, said = changes.swapped(system, instance, Path(path), port_maps.get(instance))
+        notes += said
     for instance, coordinate, value in initials:
         system = changes.displaced(system, instance, coordinate, value)
     for instance, name, value in settings:
@@ -135,6 +145,7 @@ def chosen_file(
     step: float | None,
     settings: Sequence[Assigned],
     swaps: Sequence[Assigned],
+    maps: Sequence[Assigned],
     unpacked: Path | None = None,
 ) -> System:
     """The system of an .ssp or .ssd file, changed as the options say.
@@ -148,8 +159,14 @@ def chosen_file(
     system = read_ssp(path, variant, folder=unpacked)
     for instance, name, value in settings:
         system = changes.assigned(_having(system, instance), instance, name, value)
+    port_maps = _port_maps(maps, swaps)
     for instance, _, fmu in swaps:
-        system = _having(system, instance).with_fmu(instance, Path(fmu))
+        system = _having(system, instance)
+        ports, _ = changes.seen(system, instance, Path(fmu), port_maps.get(instance))
+        system = system.with_fmu(instance, Path(fmu), ports)
+        if ports is not None and ports.rates:
+            note = f"{fmu} as {instance}: {changes.differentiated(ports)}"
+            system = replace(system, notes=(*system.notes, note))
     if duration is None and system.experiment.stop is None:
         raise TracktrainError(f"'{path}' does not say how long to run; give --duration")
     return _timed(system, duration, step)
@@ -165,6 +182,20 @@ def refuse_options(ctx: click.Context, names: Iterable[str], reason: str) -> Non
     ]
     if given:
         raise TracktrainError(f"{reason}; leave out {' and '.join(given)}")
+
+
+def _port_maps(maps: Sequence[Assigned], swaps: Sequence[Assigned]) -> dict[str, PortMap]:
+    """The maps by instance; TracktrainError for one without an FMU to look into."""
+    from orchestrator import read_port_map
+
+    replaced = [instance for instance, _, _ in swaps]
+    for instance, _, path in maps:
+        if instance not in replaced:
+            raise TracktrainError(
+                f"the map '{path}' is for {instance}, which no --swap replaces; add "
+                f"--swap {instance}=FMU"
+            )
+    return {instance: read_port_map(path) for instance, _, path in maps}
 
 
 def _timed(system: System, duration: float | None, step: float | None) -> System:

@@ -94,7 +94,7 @@ def info(file: Path, parameters: bool, as_json: bool) -> None:
         return
     console = _console()
     _print_head(console, contents, description, beside)
-    _print_ports(console, contents, description)
+    _print_ports(console, description)
     _print_terminals(console, beside)
     if parameters:
         _print_parameters(console, description)
@@ -104,7 +104,8 @@ def info(file: Path, parameters: bool, as_json: bool) -> None:
     epilog="""\b
 Examples:
   tracktrain fmu check my_truck.fmu --as truck
-  tracktrain fmu check my_wheelset.fmu --as wheelrail"""
+  tracktrain fmu check my_wheelset.fmu --as wheelrail
+  tracktrain fmu check foreign.fmu --as wheelrail --map foreign.toml"""
 )
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option(
@@ -113,17 +114,27 @@ Examples:
     type=Name("block", BLOCKS),
     help="Block of the hopper car that it is to replace; needed.",
 )
+@click.option(
+    "--map",
+    "map_file",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="What the block's ports are called in the FMU, with signs and units, in TOML or as an SSP "
+    "parameter map (.ssm).",
+)
 @click.pass_context
-def check(ctx: click.Context, file: Path, block: str | None) -> None:
+def check(ctx: click.Context, file: Path, block: str | None, map_file: Path | None) -> None:
     """Tell whether an FMU can stand in for a block of the hopper car.
 
     The exit code is 0 if it can, 1 if it cannot, and 2 if there is nothing to check.
     """
     if block is None:
         raise click.UsageError(f"--as is missing; choose one of: {', '.join(BLOCKS)}")
+    from orchestrator import read_port_map
+
     from .standin import compare
 
-    found = compare(file, block)
+    found = compare(file, block, None if map_file is None else read_port_map(map_file))
     console = _console()
     console.print(_comparison(found))
     console.print()
@@ -293,13 +304,12 @@ def _units(description: Description) -> str:
     return ", ".join(shown(unit, scale) for unit, scale in _scales(description).items())
 
 
-def _print_ports(console: Console, contents: Contents, description: Description) -> None:
-    shapes = {v.name: v.shape for v in contents.model.modelVariables if v.shape}
+def _print_ports(console: Console, description: Description) -> None:
     for causality in ("input", "output"):
         ports = _of(description, causality)
         rows = [
             {
-                "name": port.name + _kind(port, shapes.get(port.name)),
+                "name": port.name + _kind(port),
                 "unit": port.unit or "",
                 "start": _start(port) if causality == "input" else "",
                 "rate of": port.derivative_of or "",
@@ -338,8 +348,8 @@ def _dependencies(output: Variable) -> list[str] | None:
     return None if output.dependencies is None else sorted(output.dependencies)
 
 
-def _kind(port: Variable, shape: tuple[int, ...] | None) -> str:
-    size = f"[{', '.join(str(n) for n in shape)}]" if shape else ""
+def _kind(port: Variable) -> str:
+    size = f"[{', '.join(str(n) for n in port.shape)}]" if port.shape else ""
     plain = port.type in ("Real", "Float64") and not size
     return "" if plain else f" ({port.type}{size})"
 
@@ -359,7 +369,7 @@ def _print_parameters(console: Console, description: Description) -> None:
     for v in _of(description, *PARAMETERS):
         rows.append(
             {
-                "name": v.name + _kind(v, None),
+                "name": v.name + _kind(v),
                 "unit": v.unit or "",
                 "start": _start(v),
                 "range": _range(v),
@@ -410,6 +420,7 @@ def _comparison(found: StandIn) -> Table:
     add("missing", [f"{c}s {', '.join(ports)}" for c, ports in missing.items()], "red")
     add("unusable", found.unusable, "red")
     add("converted", [f"{c.port}: {c.source} -> {c.target}, {c.rule}" for c in found.converted])
+    add("mapped", [f"{ours} is {theirs}" for ours, theirs in found.mapped.items()])
     if found.unitless:
         grid.add_row("unitless", f"taken to be in the block's unit: {', '.join(found.unitless)}")
     for label, there, absent in (
@@ -436,7 +447,6 @@ def _shortened(names: list[str], limit: int = 8) -> str:
 def _as_data(contents: Contents, description: Description, beside: Extras) -> dict[str, Any]:
     """All that is known of an FMU, in types that JSON has; null is what it does not say."""
     root = contents.root.attrib
-    shapes = {v.name: v.shape for v in contents.model.modelVariables}
     provenance = ("generationTool", "generationDateAndTime", "author", "copyright", "license")
     return {
         "file": str(contents.path),
@@ -483,7 +493,7 @@ def _as_data(contents: Contents, description: Description, beside: Extras) -> di
             {
                 "name": v.name,
                 "type": v.type,
-                "shape": list(shapes.get(v.name) or ()),
+                "shape": list(v.shape),
                 "causality": v.causality,
                 "variability": v.variability,
                 "unit": v.unit,

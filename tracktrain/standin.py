@@ -6,17 +6,25 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from fmus.catalogue import fmu_path
-from orchestrator import Description, OrchestratorError, System, Variable, describe
+from orchestrator import (
+    Description,
+    OrchestratorError,
+    PortMap,
+    System,
+    Variable,
+    describe,
+)
+from orchestrator.arrays import shaped, taken_apart
 from orchestrator.coupling import Way, couple
 from orchestrator.description import Contents, open_fmu, survey
 from orchestrator.errors import FmuError, UnitError
+from orchestrator.links import DRIVES
 from orchestrator.plan import make_plan
 from orchestrator.units import conversion
 
-from .changes import swapped
+from .changes import differentiated, swapped
 from .hopper import BLOCK_OF, hopper_car, required_ports
 
-REALS = ("Real", "Float64")
 NO_UNIT = (None, "", "1")
 
 
@@ -43,7 +51,8 @@ class StandIn:
     Of the ports that the car connects: `fitting`, `converted`, `unitless`, `missing` by causality,
     `unusable`. Of the block's other ports: `optional` and `absent`. Of what the car gives values
     to: `given` and `lacking`. obstacles: what else keeps it out. losses: what it does not offer the
-    coupling. effects: inputs of the car that are led otherwise with it; None where it cannot be in.
+    coupling. mapped: what a map says that ports are in the FMU. effects: inputs of the car that are
+    led otherwise with it; None where it cannot be in.
     """
 
     name: str
@@ -63,6 +72,7 @@ class StandIn:
     losses: list[str] = field(default_factory=list)
     effects: list[str] | None = None
     remarks: list[str] = field(default_factory=list)
+    mapped: dict[str, str] = field(default_factory=dict)
 
     @property
     def required(self) -> int:
@@ -94,18 +104,26 @@ class StandIn:
         return f"{self.name} can stand in for the block {self.block}{detail}."
 
 
-def compare(path: Path, block: str) -> StandIn:
-    """The FMU as a block of `BLOCK_OF`; raises orchestrator.FmuError for what is no FMU."""
+def compare(path: Path, block: str, ports: PortMap | None = None) -> StandIn:
+    """The FMU, seen through a map, as a block of `BLOCK_OF`.
+
+    Raises orchestrator.FmuError for what is no FMU, CouplingError for a map that does not fit it.
+    """
     contents = open_fmu(path)
-    found, own = survey(contents), describe(fmu_path(block))
+    whole, own = survey(contents), describe(fmu_path(block))
     instances = [name for name, kind in BLOCK_OF.items() if kind == block]
     car = hopper_car()
     required = frozenset[str]().union(*(required_ports(name) for name in instances))
-    result = StandIn(path.name, block, bool(found.binary), contents.platforms)
-    shapes = {v.name: v.shape for v in contents.model.modelVariables if v.shape}
+    result = StandIn(path.name, block, bool(whole.binary), contents.platforms)
+    elements = taken_apart(whole, {})
+    ports = (ports or PortMap()).fitted(own, elements, required)
+    found = ports.applied(elements)
+    result.mapped = {name: port.name for name, port in ports.ports.items()}
+    if ports.rates:
+        result.remarks.append(differentiated(ports))
     for port in [*own.inputs, *own.outputs]:
         if port.name in required:
-            _compare_port(result, port, own, found, shapes)
+            _compare_port(result, port, own, found)
         elif port.name not in own.partials:
             there = _has(found, port)
             (result.optional if there else result.absent).append(port.name)
@@ -116,7 +134,7 @@ def compare(path: Path, block: str) -> StandIn:
         result.obstacles.append(str(error).replace(f"'{path.resolve()}'", "it", 1))
     result.losses += _losses(car, instances[0], required, own, found)
     if result.possible:
-        _plan(result, car, instances[0], path)
+        _plan(result, car, instances[0], path, ports)
     result.remarks += _remarks(instances, contents, own, found)
     return result
 
@@ -127,7 +145,7 @@ def counted(number: int, noun: str) -> str:
 
 
 def _has(found: Description, port: Variable) -> bool:
-    variable = found.variables.get(port.name)
+    variable = found.find(port.name)
     return variable is not None and variable.causality == port.causality
 
 
@@ -136,26 +154,32 @@ def _compare_port(
     port: Variable,
     own: Description,
     found: Description,
-    shapes: dict[str, tuple[int, ...]],
 ) -> None:
-    variable = found.variables.get(port.name)
+    variable = found.find(port.name)
     kind = f"an {port.causality}"
-    if variable is None:
+    if variable is None and port.name in found.arrays:
+        size = shaped(found.arrays[port.name])
+        result.unusable.append(f"{port.name} is an array of {size}; the port is one number")
+    elif variable is None:
         result.missing[port.causality].append(f"{port.label}{_lookalike(port, own, found)}")
     elif variable.causality != port.causality:
         article = "an" if variable.causality[0] in "aeiou" else "a"
         result.unusable.append(f"{port.name} is {article} {variable.causality}, not {kind}")
-    elif variable.type not in REALS:
+    elif not _exchanges(port, variable):
         result.unusable.append(
-            f"{port.name} is of type {variable.type}; only Real variables are coupled"
+            f"{port.name} is of type {variable.type}; the port is of type {port.type}"
         )
-    elif port.name in shapes:
-        size = " x ".join(str(n) for n in shapes[port.name])
-        result.unusable.append(f"{port.name} is an array of {size}; the port is one number")
     elif variable.unit is None and port.unit not in NO_UNIT:
         result.unitless.append(port.label)
     else:
         _compare_units(result, port, own, variable, found)
+
+
+def _exchanges(port: Variable, variable: Variable) -> bool:
+    """Whether a variable gives what the port gives, or takes what it takes."""
+    ends = (variable, port) if port.causality == "output" else (port, variable)
+    kinds = (ends[0].kind, ends[1].kind)
+    return kinds in DRIVES and not variable.clocked
 
 
 def _compare_units(
@@ -192,10 +216,10 @@ def _compare_values(
 ) -> None:
     """Values that the car gives are converted, so that they must measure the same."""
     for name in car.components[instance].parameters:
-        (result.given if name in found.variables else result.lacking).append(name)
+        (result.given if found.find(name) else result.lacking).append(name)
     foreign = []
     for name in result.given:
-        unit, other = own.variables[name].unit, found.variables[name].unit
+        unit, other = own.variables[name].unit, _of(found, name).unit
         if other is None or unit is None:
             continue
         try:
@@ -227,7 +251,7 @@ def _losses(
     unknown = [
         v.name
         for v in outputs
-        if v.dependencies is not None and found.variables[v.name].dependencies is None
+        if v.dependencies is not None and _of(found, v.name).dependencies is None
     ]
     if unknown and found.inputs:
         losses.append(
@@ -252,11 +276,17 @@ def _names(names: set[str] | list[str]) -> str:
     return ", ".join(sorted(names))
 
 
-def _plan(result: StandIn, car: System, instance: str, path: Path) -> None:
+def _of(found: Description, name: str) -> Variable:
+    variable = found.find(name)
+    assert variable is not None
+    return variable
+
+
+def _plan(result: StandIn, car: System, instance: str, path: Path, ports: PortMap) -> None:
     """Plan the car with the FMU in it, as a run does, and compare how its inputs are led."""
     usual = make_plan(car)
     try:
-        plan = make_plan(swapped(car, instance, path)[0])
+        plan = make_plan(swapped(car, instance, path, ports)[0])
     except OrchestratorError as error:
         result.obstacles.append(f"the car refuses it: {error}")
         return

@@ -159,6 +159,11 @@ class _Archive:
 
 
 def _fmu(instance: str, component: Component) -> Path:
+    if component.ports is not None:
+        raise SspError(
+            f"{instance} is an FMU behind a port map, which cannot be written; give it an FMU with "
+            "the ports' own names"
+        )
     if isinstance(component.fmu, Mock):
         raise SspError(f"{instance} is a mock, which cannot be written; give it an FMU")
     return Path(component.fmu).resolve()

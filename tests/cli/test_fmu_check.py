@@ -161,7 +161,7 @@ def test_port_without_a_unit_is_taken_to_be_in_the_blocks(tmp_path: Path) -> Non
                 count=1,
                 flags=re.S,
             ),
-            "yaw is of type Integer; only Real variables are coupled",
+            "yaw is of type Integer; the port is of type Real",
         ),
     ],
 )
