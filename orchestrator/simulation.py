@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from .checkpoint import Checkpoint, Checkpoints, read_checkpoint, refuse_without_state
-from .errors import CheckpointError, CouplingError
+from .errors import CheckpointError, CouplingError, choices
 from .grid import make_grid
 from .initialize import settle
 from .mock import Mock, MockSlave
@@ -20,7 +20,7 @@ from .plan import Plan, make_plan, start_values
 from .results import Run, Statistics, provenance
 from .results_file import NAME as RESULTS
 from .results_file import STOPPED, ResultsFile
-from .slave import Fmi2Slave, Logger, Slave, unzip
+from .slave import Logger, Slave, load, unzip
 from .system import Experiment, System
 from .texts import Texts
 
@@ -51,6 +51,8 @@ def simulate(
     measure: bool = False,
     command: str | None = None,
     checkpoint: float | None = None,
+    isolate: Sequence[str] = (),
+    timeout: float = 60.0,
     resumed: Checkpoint | None = None,
 ) -> Run:
     """Run a system for `duration` [s] with macro steps of `step` [s], from the time `start` [s].
@@ -62,6 +64,8 @@ def simulate(
     [bytes] of rows are held. Without it all rows stay in memory.
     compiled: False runs the same macro loop as plain Python.
     measure: estimate the share of time inside the FMUs. command: for the results' provenance.
+    isolate: instances that run in processes of their own, where a crash, or a call that takes more
+    than `timeout` [s] of wall time, ends the run and not the program.
     checkpoint: simulated time [s] between two checkpoints in `out`, from which `resume` goes on.
     Raises OrchestratorError for what does not fit before the first step; from then on the run
     always returns, and says in `message` why it stopped early.
@@ -74,6 +78,7 @@ def simulate(
         raise CouplingError(f"one row of every {every} cannot be kept; give a whole number above 0")
     interval = _interval(checkpoint, step, out)
     plan = make_plan(system, record)
+    _check_isolated(isolate, system)
     if resumed is not None:
         resumed.check(plan)
     # numba takes half a second to import: not before the system is known to be sound.
@@ -83,7 +88,7 @@ def simulate(
 
     module = master_module(master)
     with ExitStack() as stack:
-        slaves = _load(system, plan, stack, logger)
+        slaves = _load(system, plan, stack, logger, isolate, timeout)
         if interval:
             refuse_without_state(slaves)
         for slave, values in zip(slaves, plan.values, strict=True):
@@ -210,10 +215,25 @@ def _span(
     return first, duration, size
 
 
-def _load(system: System, plan: Plan, stack: ExitStack, logger: Logger | None) -> list[Slave]:
-    """Instances of all components; the stack frees them, then removes what was unzipped."""
-    from .fmi3 import Fmi3Slave
+def _check_isolated(isolate: Sequence[str], system: System) -> None:
+    for name in isolate:
+        if name not in system.components:
+            raise CouplingError(
+                f"there is no instance '{name}' to isolate; {choices(name, system.components)}"
+            )
+        if isinstance(system.components[name].fmu, Mock):
+            raise CouplingError(f"{name} cannot be isolated: it is a mock, not an FMU")
 
+
+def _load(
+    system: System,
+    plan: Plan,
+    stack: ExitStack,
+    logger: Logger | None,
+    isolate: Sequence[str],
+    timeout: float,
+) -> list[Slave]:
+    """Instances of all components; the stack frees them, then removes what was unzipped."""
     folder = Path(stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True)))
     unzipped: dict[Path, Path] = {}
     slaves: list[Slave] = []
@@ -226,8 +246,14 @@ def _load(system: System, plan: Plan, stack: ExitStack, logger: Logger | None) -
             path = Path(component.fmu).resolve()
             if path not in unzipped:
                 unzipped[path] = unzip(path, description, folder / str(len(unzipped)))
-            kind = Fmi2Slave if description.fmi_version.startswith("2.") else Fmi3Slave
-            slave = kind(name, description, unzipped[path], logger)
+            if name in isolate:
+                from .isolation import IsolatedSlave
+
+                slave = IsolatedSlave(name, description, unzipped[path], logger, timeout)
+            else:
+                slave = load(name, description, unzipped[path], logger)
         stack.callback(slave.close)
         slaves.append(slave)
+    for slave in slaves:
+        slave.ready()
     return slaves

@@ -66,6 +66,10 @@ class Slave(ABC):
         self.messages: list[str] = []
         self._logger = logger
 
+    def ready(self) -> None:
+        """Wait until it is loaded; raises SlaveError."""
+        return
+
     @abstractmethod
     def set_value(self, variable: Variable, value: Value) -> None:
         """Give a variable its start value, before `start`; raises SlaveError."""
@@ -91,6 +95,22 @@ class Slave(ABC):
         values = np.empty(len(variables))
         self._reals(self.addresses.get_real, variables, values, "cannot read")
         return values
+
+    def complaint(self) -> str:
+        """What an adaptor refused; empty if it did not."""
+        return self.lanes.complaint() if self.lanes else ""
+
+    def remarks(self) -> list[str]:
+        """What was not exact."""
+        return self.lanes.remarks() if self.lanes else []
+
+    def has_ended(self) -> bool:
+        """Whether the FMU asked to end the run."""
+        return self.lanes is not None and self.lanes.ended
+
+    def fault(self, function: str, status: int) -> str:
+        """How a call failed."""
+        return f"{self.called(function)} returned {Status(status).name.lower()}"
 
     @property
     def keeps_state(self) -> bool:
@@ -119,8 +139,7 @@ class Slave(ABC):
 
     def said(self) -> str:
         """The last message, to end a sentence with."""
-        complaint = self.lanes.complaint() if self.lanes else ""
-        last = complaint or (self.messages[-1] if self.messages else "")
+        last = self.complaint() or (self.messages[-1] if self.messages else "")
         return f": {last}" if last else ""
 
     def heard(self, status: int, text: str) -> None:
@@ -305,6 +324,15 @@ class Fmi2Slave(FmuSlave):
             self._call(what, self._fmu.setFMUstate, held)
         finally:
             self._fmu.freeFMUstate(held)
+
+
+def load(name: str, description: Description, folder: Path, logger: Logger | None) -> Slave:
+    """An instance of an unzipped FMU, in this process; raises SlaveError."""
+    if description.fmi_version.startswith("2."):
+        return Fmi2Slave(name, description, folder, logger)
+    from .fmi3 import Fmi3Slave  # with a compiler, which takes its time
+
+    return Fmi3Slave(name, description, folder, logger)
 
 
 _logging: WeakValueDictionary[int, Fmi2Slave] = WeakValueDictionary()

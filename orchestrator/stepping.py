@@ -19,7 +19,7 @@ from .mock import MockSlave
 from .plan import Plan, columns_of
 from .recording import Recording
 from .simulation import Progress
-from .slave import Slave, Status
+from .slave import Slave
 from .texts import Texts
 
 CHUNK = 0.07
@@ -107,12 +107,7 @@ class Stepper:
     def messages(self) -> list[str]:
         """What the FMUs logged, once each."""
         said = [f"{slave.name} says: {text}" for slave in self._slaves for text in slave.messages]
-        rounded = [
-            f"{slave.name}.{remark}"
-            for slave in self._slaves
-            if slave.lanes is not None
-            for remark in slave.lanes.remarks()
-        ]
+        rounded = [f"{slave.name}.{remark}" for slave in self._slaves for remark in slave.remarks()]
         return list(dict.fromkeys([*said, *rounded]))
 
     def share_inside(self) -> float:
@@ -170,14 +165,14 @@ class Stepper:
         slave = self._slaves[number]
         if isinstance(slave, MockSlave) and slave.interrupt is not None:
             return self._interrupted()
-        if slave.lanes is not None and slave.lanes.ended:
+        if slave.has_ended():
             return (
                 f"{slave.name} asks to end the run in the step from t = "
                 f"{self._time(self.rows_done - 1):g} s{slave.said()}"
             )
         return (
-            f"{slave.name}: {slave.called(CALLS[call])} returned {Status(status).name.lower()} in "
-            f"the step from t = {self._time(self.rows_done - 1):g} s{slave.said()}"
+            f"{slave.name}: {slave.fault(CALLS[call], status)} in the step from "
+            f"t = {self._time(self.rows_done - 1):g} s{slave.said()}"
         )
 
     def _order(self) -> list[int]:

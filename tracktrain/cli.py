@@ -18,7 +18,7 @@ from .failures import Stopped, clear_errors
 from .fmu_command import fmu
 from .new_command import new
 from .options import Name
-from .run_options import RESUMED, run_options, survival
+from .run_options import RESUMED, isolated, run_options, survival
 from .studies.command import study
 from .terminal import writable
 
@@ -154,6 +154,7 @@ def run(
     quiet: bool,
     csv: bool,
     resume: Path | None,
+    isolate: tuple[str, ...],
     **shape: Any,
 ) -> None:
     """Run the 80-ton hopper car, or the system of FILE; write results.nc and pictures.
@@ -184,7 +185,13 @@ def run(
             system = chosen_file(file, ssd, unpacked=kept, **changes)
         if resume is None:
             start = partial(
-                simulate, system, master=master, out=folder, command=ctx.meta["command"], **how
+                simulate,
+                system,
+                master=master,
+                out=folder,
+                isolate=isolated(isolate, system),
+                command=ctx.meta["command"],
+                **how,
             )
         experiment = system.experiment
         span = (experiment.stop or 0.0) - (experiment.start or 0.0)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from .errors import TracktrainError, choices
 from .options import Quantity
+
+if TYPE_CHECKING:
+    from orchestrator import Mock, System
 
 RESUMED = ("resume", "csv", "quiet")
 """Options that a run which goes on may still have."""
@@ -47,6 +51,21 @@ _OPTIONS = (
         help="Write a checkpoint whenever so much time was simulated, to go on from with --resume.",
     ),
     click.option(
+        "--isolate",
+        multiple=True,
+        metavar="INSTANCE|foreign|all",
+        help="Run the FMU of an instance in a process of its own, where a crash ends the run and "
+        "not the program; foreign: of all that are not tracktrain's own. Repeatable.",
+    ),
+    click.option(
+        "--timeout",
+        type=Quantity("timeout", "s", ("s", "min", "ms"), "60s"),
+        default="60s",
+        show_default=True,
+        metavar="TIME",
+        help="Longest wall time that a call of an isolated FMU may take.",
+    ),
+    click.option(
         "--resume",
         type=click.Path(path_type=Path),
         metavar="DIR",
@@ -63,6 +82,36 @@ def run_options(command: Command) -> Command:
 
 
 def survival(options: dict[str, Any]) -> dict[str, Any]:
-    """Take what the options above say out of a command's, as `orchestrator.simulate` has it."""
-    taken = {name: options.pop(name) for name in ("record", "every", "memory", "checkpoint")}
+    """Take what options above say out of a command's, as `orchestrator.simulate` has it."""
+    taken = {
+        name: options.pop(name) for name in ("record", "every", "memory", "checkpoint", "timeout")
+    }
     return {**taken, "record": taken["record"] or None}
+
+
+def isolated(asked: Sequence[str], system: System) -> tuple[str, ...]:
+    """The instances that are meant by --isolate; raises TracktrainError for what names none."""
+    chosen: set[str] = set()
+    for name in asked:
+        if name == "all":
+            chosen |= {*system.components}
+        elif name == "foreign":
+            chosen |= {i for i, c in system.components.items() if not _is_ours(c.fmu)}
+        elif name in system.components:
+            chosen.add(name)
+        else:
+            raise TracktrainError(
+                f"there is no instance '{name}' to isolate; "
+                f"{choices(name, [*system.components, 'foreign', 'all'])}"
+            )
+    return tuple(name for name in system.components if name in chosen)
+
+
+def _is_ours(fmu: Path | Mock) -> bool:
+    """Whether an FMU is the catalogue's, also as a copy elsewhere."""
+    from fmus.catalogue import NAMES, fmu_path
+    from orchestrator import describe
+
+    if not isinstance(fmu, Path):
+        return True
+    return describe(fmu).sha256 in {describe(fmu_path(name)).sha256 for name in NAMES}
