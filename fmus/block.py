@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 from .terminals import Terminal
-from .variables import Input, Output, Parameter, Tangent, Variable
+from .variables import Array, Constant, Input, Output, Parameter, Tangent, Variable
 
 Signals = Mapping[str, ca.SX]
 """Symbols or expressions by name: scalars, or for derived constants matrices of any shape."""
@@ -68,6 +68,8 @@ class Block:
     outputs: Sequence[Output]
     states: Sequence[State] = ()
     modes: Sequence[Variable] = ()
+    constants: Sequence[Constant] = ()
+    arrays: Sequence[Array] = ()
     tangents: Sequence[Tangent] = ()
     terminals: Sequence[Terminal] = ()
     table: Table | None = None
@@ -84,11 +86,19 @@ class Block:
 
     def derived_shapes(self) -> dict[str, tuple[int, int]]:
         """Name and shape of each derived constant, in order."""
+        return self._derived_shapes
+
+    @cached_property
+    def _derived_shapes(self) -> dict[str, tuple[int, int]]:
         values = self.derived(_symbols(self.parameters))
         return {name: ca.SX(value).shape for name, value in values.items()}
 
     def derived(self, p: Signals) -> Signals:
         """Constants that follow from the parameters, computed when these change."""
+        return {}
+
+    def constant(self, p: Signals, d: Signals) -> Signals:
+        """The constants that a user can read."""
         return {}
 
     def initial(self, p: Signals, d: Signals, u: Signals) -> Signals:
@@ -177,9 +187,17 @@ class Block:
         return [*own, *self.memory]
 
     @property
+    def indicators(self) -> list[str]:
+        """Names of the event indicators, in their order."""
+        groups = (self.states, self.inputs, self.parameters, self.modes)
+        x, u, p, mode = (_symbols(variables) for variables in groups)
+        d = {name: ca.SX(*shape) for name, shape in self.derived_shapes().items()}
+        return list(self.event_indicators(x, u, p, d, mode))
+
+    @property
     def references(self) -> dict[str, int]:
         """FMI's value reference of each variable by name, in their order; 0 is the time."""
-        groups = (self.parameters, self.inputs, self.outputs, self.locals)
+        groups = (self.parameters, self.inputs, self.outputs, self.locals, self.constants)
         return {v.name: n for n, v in enumerate((v for g in groups for v in g), start=1)}
 
     @cached_property
@@ -196,6 +214,7 @@ class Functions:
     """A block's expressions as flat CasADi functions of vectors, in the order of its variables.
 
     derived(p) -> d
+    constants(p, d) -> c
     initial(p, d, u) -> x
     largest_step(x, u, p, d) -> h [s]
     step(x, u, rate, p, d, h) -> x, u at the end of the micro step
@@ -223,6 +242,9 @@ class Functions:
         dv = _flat(d)
 
         self.derived = block.derived_function()
+        self.constants = ca.Function(
+            "constants", [pv, dv], [_ordered(block.constants, block.constant(p, d))]
+        )
         self.initial = ca.Function(
             "initial", [pv, dv, uv], [_ordered(block.states, block.initial(p, d, u))]
         )

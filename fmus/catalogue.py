@@ -12,6 +12,9 @@ import platformdirs
 PACKAGE = Path(__file__).parent
 STAMP = "sources.sha256"
 NAMES = ("carbody", "truck", "wheelrail", "track")
+SUFFIX = {"2.0": "", "3.0": "_fmi3"}
+"""What follows a block's name in the name of its FMU, by version of FMI."""
+FMI_VERSIONS = tuple(SUFFIX)
 
 
 @cache
@@ -25,14 +28,16 @@ def source_hash() -> str:
     return digest.hexdigest()
 
 
-def fmu_path(name: str) -> Path:
+def fmu_path(name: str, fmi: str = "2.0") -> Path:
     """Path of the up-to-date FMU of a block; builds the FMUs when the sources have changed.
 
-    Raises KeyError for an unknown block, CompileError when a build is needed and fails.
+    Raises KeyError for an unknown block or version, CompileError when a build is needed and fails.
     """
     if name not in NAMES:
         raise KeyError(f"no block is called {name!r}; the blocks are {', '.join(NAMES)}")
-    return folder() / f"{name}.fmu"
+    if fmi not in SUFFIX:
+        raise KeyError(f"no FMU is made for FMI {fmi!r}; the versions are {', '.join(SUFFIX)}")
+    return folder() / f"{name}{SUFFIX[fmi]}.fmu"
 
 
 @cache
@@ -61,7 +66,7 @@ def build_into(place: Path) -> None:
 def _is_current(place: Path) -> bool:
     try:
         return (place / STAMP).read_text() == _stamp() and all(
-            (place / f"{name}.fmu").exists() for name in NAMES
+            (place / f"{name}{suffix}.fmu").exists() for name in NAMES for suffix in SUFFIX.values()
         )
     except OSError:
         return False

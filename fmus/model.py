@@ -9,7 +9,7 @@ import copy
 from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from typing import Any
 
-from .variables import Input, Output, Parameter, Tangent, Variable
+from .variables import Array, Constant, Input, Output, Parameter, Tangent, Variable
 
 __all__ = ["Input", "Model", "Output", "Parameter", "Tangent", "Values"]
 
@@ -47,6 +47,10 @@ class Model:
     locals: Sequence[Variable] = ()
     derivatives: Sequence[Output] = ()
     """What Model Exchange needs besides, which a model in Python does not offer."""
+
+    constants: Sequence[Constant] = ()
+    arrays: Sequence[Array] = ()
+    """What the native FMUs of the blocks show besides."""
 
     def start(self, p: Values, u: Values) -> None:
         """Set the state at the start of a run, from parameters and inputs.

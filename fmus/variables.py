@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Literal
 
@@ -56,6 +57,36 @@ class Tangent:
     input: str
     output: str
     partial: str
+
+
+@dataclass(frozen=True)
+class Constant(Variable):
+    """A number that follows from the parameters alone, for the user to read."""
+
+
+@dataclass(frozen=True)
+class Array:
+    """Variables of a model that belong together, for standards that have arrays.
+
+    members: names of variables of one kind, the last index of `shape` running fastest. Members
+    that are called like the array, but for the index, are its elements and stand for themselves
+    no more.
+    """
+
+    name: str
+    description: str
+    members: tuple[str, ...]
+    shape: tuple[int, ...]
+
+    @property
+    def replaces(self) -> bool:
+        """Whether the array stands for its members, rather than beside them."""
+        return all(re.sub(r"\[[\d,]+\]", "", member) == self.name for member in self.members)
+
+
+def vector(name: str, size: int, description: str) -> Array:
+    """The array of the variables name[1] to name[size]."""
+    return Array(name, description, tuple(f"{name}[{i}]" for i in range(1, size + 1)), (size,))
 
 
 MAX = 1.7976931348623157e308

@@ -79,6 +79,13 @@ class FmuInstance:
     def names(self, causality: str) -> list[str]:
         return [v.name for v in self.description.modelVariables if v.causality == causality]
 
+    def declared(self) -> dict[str, set[str]]:
+        """The inputs that each output is declared to depend on."""
+        return {
+            unknown.variable.name: {v.name for v in unknown.dependencies if v.causality == "input"}
+            for unknown in self.description.outputs
+        }
+
     def initialize(self, parameters: Mapping[str, float] | None = None) -> FmuInstance:
         self.slave.setupExperiment(startTime=0.0)
         if parameters:

@@ -173,3 +173,7 @@ SAME_SCHEME = 1e-9
 DIFFERENTIATED_VELOCITY = 1e-7
 """Relative change of the car's motion over the first 0.5 s when the carbody's velocities are
 differentiated from its positions at 1 ms, and its accelerations are not known: 1e-8 measured."""
+
+INTERMEDIATE_UPDATE = 1e-10
+"""FMI 3.0's inputs at intermediate updates against FMI 2.0's input derivatives: what is lost by
+taking the rate as the difference of two inputs over a micro step."""

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from fmus.catalogue import FMI_VERSIONS
+
 from .chosen import CAR_ONLY, chosen_car, chosen_file, refuse_options, system_options
 from .errors import TracktrainError
 from .failures import Stopped, clear_errors
@@ -61,6 +63,7 @@ Examples:
   tracktrain build --out my-fmus
   tracktrain build --target all
   tracktrain build --target host --target windows-x86_64
+  tracktrain build --fmi 3.0
   tracktrain build --flavor python"""
 )
 @click.option(
@@ -71,6 +74,14 @@ Examples:
     metavar="TARGET",
     help="Platform whose binaries the FMUs hold: host, all, linux-x86_64, linux-aarch64, "
     "windows-x86_64, macos-x86_64 or macos-arm64. Repeatable.  [default: host]",
+)
+@click.option(
+    "--fmi",
+    "versions",
+    multiple=True,
+    type=click.Choice(FMI_VERSIONS),
+    default=FMI_VERSIONS,
+    help="Version of FMI. Repeatable.  [default: both]",
 )
 @click.option(
     "--flavor",
@@ -88,8 +99,10 @@ Examples:
     metavar="DIR",
     help="Folder to write to.",
 )
-def build(targets: tuple[str, ...], flavors: tuple[str, ...], out: Path) -> None:
-    """Write carbody.fmu, truck.fmu, wheelrail.fmu and track.fmu.
+def build(
+    targets: tuple[str, ...], versions: tuple[str, ...], flavors: tuple[str, ...], out: Path
+) -> None:
+    """Write carbody.fmu, truck.fmu, wheelrail.fmu and track.fmu, and carbody_fmi3.fmu and so on.
 
     The first build for Windows compiles the C runtime too, which takes about a minute. The Python
     flavor writes carbody_python.fmu and so on, which need Python with casadi and numpy.
@@ -100,14 +113,13 @@ def build(targets: tuple[str, ...], flavors: tuple[str, ...], out: Path) -> None
         from fmus.export.python import build_python
 
         folder = writable(out)
-        for name in BLOCKS:
-            paths = []
-            if "native" in flavors:
-                paths.append(build_native(folder, [name], targets)[name])
-            if "python" in flavors:
-                paths.append(build_python(name, folder))
-            for path in paths:
-                click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
+        paths: list[Path] = []
+        if "native" in flavors:
+            paths += build_native(folder, None, targets, versions).values()
+        if "python" in flavors:
+            paths += [build_python(name, folder) for name in BLOCKS]
+        for path in paths:
+            click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
 
 
 @main.command(

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from math import cos, cosh, pi
 
 import casadi as ca
 
 from ..block import Block, Input, Output, Parameter, Signals, State
 from ..terminals import CENTRE_PLATE, Terminal
+from ..variables import Array, Constant, vector
 from .oscillator import oscillator, rigid
 
 MODAL = "kg^(1/2).m"
@@ -53,6 +55,21 @@ def _inertia(mode: str, axis: str) -> Parameter:
         f"{mode.capitalize()} inertia about the centre of gravity",
         symbol=f"I_{axis}{axis}",
         minimum=1.0,
+    )
+
+
+def _mode_shape(end: str) -> Array:
+    """Entries of the mode shapes at one end, row by row."""
+    return Array(
+        f"{end}.mode_shape",
+        f"Motion of the {end} centre plate (rows y, z: kg^(-1/2); roll, yaw: kg^(-1/2).rad/m) over "
+        f"the modal coordinates (columns {', '.join(MODES)})",
+        tuple(
+            f"{end}.mode_shape[{row},{column}]"
+            for row in range(1, len(MOTIONS) + 1)
+            for column in range(1, len(MODES) + 1)
+        ),
+        (len(MOTIONS), len(MODES)),
     )
 
 
@@ -165,6 +182,25 @@ class Carbody(Block):
         for end, place in (("front", (50, -64)), ("rear", (-50, -64)))
     )
 
+    constants = tuple(
+        Constant(
+            f"{end}.mode_shape[{row},{column}]",
+            "kg^(-1/2)" if unit == "m" else "kg^(-1/2).rad/m",
+            f"{motion} of the {end} centre plate for a unit of modal coordinate {column}, "
+            f"{mode.replace('_', ' ')}",
+        )
+        for end in ENDS
+        for row, (motion, unit) in enumerate(
+            zip(("Lateral", "Vertical", "Roll", "Yaw"), ("m", "m", "rad", "rad"), strict=True), 1
+        )
+        for column, mode in enumerate(MODES, start=1)
+    )
+    arrays = (
+        vector("q", len(MODES), f"Modal coordinates: {', '.join(MODES)}"),
+        vector("qd", len(MODES), f"Rates of the modal coordinates: {', '.join(MODES)}"),
+        *(_mode_shape(end) for end in ENDS),
+    )
+
     def derived(self, p: Signals) -> Signals:
         """Entries of the mode shapes at the front centre plate, and frequencies [rad/s]."""
         root_mass, root_roll = ca.sqrt(p["body_mass"]), ca.sqrt(p["roll_inertia"])
@@ -183,6 +219,14 @@ class Carbody(Block):
             "bending": bending / root_mass,
             "bending_slope": slope / root_mass,
             "frequency": 2 * pi * ca.vertcat(*(p[f"{mode}_frequency"] for mode in ELASTIC)),
+        }
+
+    def constant(self, p: Signals, d: Signals) -> Signals:
+        """The mode shapes, (2)."""
+        entries = (ca.vertsplit(ca.vec(mode_shapes(d, end).T)) for end in ENDS)
+        return {
+            constant.name: entry
+            for constant, entry in zip(self.constants, chain(*entries), strict=True)
         }
 
     def initial(self, p: Signals, d: Signals, u: Signals) -> Signals:

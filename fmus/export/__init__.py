@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .build import build, build_block
+from .build import build
 from .compiler import CompileError
 
-__all__ = ["CompileError", "build", "build_block"]
+__all__ = ["CompileError", "build"]

@@ -1,4 +1,4 @@
-"""Builds FMUs: the files of one archive, compiled, zipped, the same bytes on every build."""
+"""Builds FMUs: the files of each archive, compiled, zipped, the same bytes on every build."""
 
 from __future__ import annotations
 
@@ -7,53 +7,70 @@ import os
 import tempfile
 from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 
 from .. import BLOCKS
 from ..block import Block
+from ..catalogue import FMI_VERSIONS, SUFFIX
 from ..parameters import DEFAULT_SET, parameter_set
-from . import code
+from . import code, description, description3
 from .accompanying import accompanying_files
 from .archive import NO_GUID, guid, write_archive
 from .build_description import build_description
 from .compiler import FLAGS, Target, compile_library, targets
-from .description import model_description
 
 VERSION = "0.1.0"
+DESCRIPTIONS = {"2.0": description.model_description, "3.0": description3.model_description}
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What an FMU holds apart from its binaries: files by their place, and C files by name."""
+
+    block: str
+    fmi: str
+    files: Mapping[str, bytes]
+    sources: Mapping[str, str]
 
 
 def build(
-    out: Path, names: Iterable[str] | None = None, platforms: Iterable[str] = ("host",)
+    out: Path,
+    names: Iterable[str] | None = None,
+    platforms: Iterable[str] = ("host",),
+    fmi: Iterable[str] = FMI_VERSIONS,
 ) -> dict[str, Path]:
-    """Write NAME.fmu for each block into the folder and return their paths.
+    """Write the FMUs of each block into the folder; their paths by name (truck, truck_fmi3).
 
     Each holds the binaries of all the platforms: names of compiler.TARGETS, `host` or `all`.
     Raises CompileError, or OSError for a folder that cannot be written.
     """
-    chosen = targets(platforms)
+    chosen, versions = targets(platforms), tuple(fmi)
     out.mkdir(parents=True, exist_ok=True)
-    return {name: build_block(BLOCKS[name](), out, chosen) for name in names or BLOCKS}
+    prepared = [contents(BLOCKS[name](), versions) for name in names or BLOCKS]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        built = pool.map(lambda of_block: _write(of_block, out, chosen), prepared)
+        return {path.stem: path for paths in built for path in paths}
 
 
-def build_block(block: Block, out: Path, platforms: Iterable[Target] | None = None) -> Path:
-    """Write one block's FMU into the folder and return its path."""
+def contents(block: Block, versions: Iterable[str]) -> list[Contents]:
+    """The block's FMUs for the versions of FMI, before they are compiled."""
     parameters = parameter_set(DEFAULT_SET)
     start = parameters.values(block)
-    description = model_description(block, start, NO_GUID, VERSION)
-    sources = code.sources(block, start, NO_GUID)
-    own = _guid(description, sources)
-    sources = {name: text.replace(NO_GUID, own) for name, text in sources.items()}
-    files: dict[str, bytes] = {
-        "modelDescription.xml": description.replace(NO_GUID, own).encode(),
-        "sources/buildDescription.xml": build_description(block.name, sources).encode(),
-    }
-    files |= accompanying_files(block, parameters, start, description)
-    for name, text in sources.items():
-        files[f"sources/{name}"] = text.encode()
-    files |= _binaries(block.name, sources, platforms or targets(["host"]))
-    path = out / f"{block.name}.fmu"
-    write_archive(path, files)
-    return path
+    found = []
+    for fmi in versions:
+        xml = DESCRIPTIONS[fmi](block, start, NO_GUID, VERSION)
+        sources = code.sources(block, start, fmi, NO_GUID)
+        own = _guid(xml, sources)
+        texts = {
+            "modelDescription.xml": xml.replace(NO_GUID, own),
+            "sources/buildDescription.xml": build_description(block.name, sources),
+        }
+        files = accompanying_files(block, parameters, start, xml)
+        files |= {place: text.encode() for place, text in texts.items()}
+        named = {name: text.replace(NO_GUID, own) for name, text in sources.items()}
+        found.append(Contents(block.name, fmi, files, named))
+    return found
 
 
 def _guid(description: str, sources: Mapping[str, str]) -> str:
@@ -65,22 +82,34 @@ def _guid(description: str, sources: Mapping[str, str]) -> str:
     return guid(digest.hexdigest())
 
 
-def _binaries(
-    name: str, sources: Mapping[str, str], platforms: Iterable[Target]
-) -> dict[str, bytes]:
-    """The block's library of each platform by its place in the archive."""
-    with tempfile.TemporaryDirectory() as temporary:
-        folder = Path(temporary)
-        for file, text in sources.items():
-            (folder / file).write_text(text)
-        units = sorted(folder.glob("*.c"))
+def _write(of_block: Iterable[Contents], out: Path, platforms: Iterable[Target]) -> list[Path]:
+    """Compile and zip the FMUs of one block."""
+    paths = []
+    # One folder for all: zig compiles again only what has been written anew.
+    with tempfile.TemporaryDirectory() as folder:
+        for fmu in of_block:
+            files = {f"sources/{name}": text.encode() for name, text in fmu.sources.items()}
+            files |= fmu.files
+            files |= _binaries(fmu, Path(folder), platforms)
+            paths.append(out / f"{fmu.block}{SUFFIX[fmu.fmi]}.fmu")
+            write_archive(paths[-1], files)
+    return paths
 
-        def compiled(target: Target) -> tuple[str, bytes]:
-            place = f"binaries/{target.folder}/{name}{target.suffix}"
-            library = folder / place
-            library.parent.mkdir(parents=True)
-            compile_library(units, library, target)
-            return place, library.read_bytes()
 
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            return dict(pool.map(compiled, platforms))
+def _binaries(fmu: Contents, folder: Path, platforms: Iterable[Target]) -> dict[str, bytes]:
+    """The library of each platform by its place in the archive."""
+    for name, text in fmu.sources.items():
+        file = folder / name
+        if not file.exists() or file.read_text() != text:
+            file.write_text(text)
+    units = [folder / name for name in code.unit_files(fmu.fmi)]
+
+    def compiled(target: Target) -> tuple[str, bytes]:
+        place = f"binaries/{target.folder(fmu.fmi)}/{fmu.block}{target.suffix}"
+        library = folder / place
+        library.parent.mkdir(parents=True, exist_ok=True)
+        compile_library(units, library, target)
+        return place, library.read_bytes()
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return dict(pool.map(compiled, platforms))

@@ -5,12 +5,15 @@ from __future__ import annotations
 import re
 import tempfile
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 
 import casadi as ca
 
 from ..block import Block, Variable
 from ..variables import MAX, limits
+from .model_variables import arrays
+from .tables import array_tables, c_tables
 
 NATIVE = Path(__file__).parent / "native"
 QUIET = """\
@@ -24,13 +27,29 @@ TABLE_SLOTS = 16
 """Pages of a table that an instance keeps: more than the car's length spans."""
 
 
-def sources(block: Block, start: Mapping[str, float], guid: str) -> dict[str, str]:
-    """All C files of the FMU by name. start: parameter values [SI]."""
-    files = {path.name: path.read_text() for path in sorted(NATIVE.glob("*.[ch]"))}
+def sources(block: Block, start: Mapping[str, float], fmi: str, guid: str) -> dict[str, str]:
+    """All C files of the FMU for a version of FMI by name. start: parameter values [SI]."""
+    files = {path.name: path.read_text() for path in _native(fmi)}
     files["equations.h"] = _equations(block)
-    files["block.h"] = _counts(block, guid)
+    files["block.h"] = _counts(block)
     files["block.c"] = _variables(block, start)
+    files["identity.h"] = f'#define GUID "{guid}"\n'
+    if fmi == "3.0":
+        files["arrays.c"] = array_tables(block)
     return files
+
+
+def unit_files(fmi: str) -> list[str]:
+    """Names of the C files to compile for a version of FMI."""
+    names = [path.name for path in _native(fmi) if path.suffix == ".c"]
+    # The first is the same for both: zig knows again what it has compiled under that name.
+    return ["block.c", *names, *(["arrays.c"] if fmi == "3.0" else [])]
+
+
+def _native(fmi: str) -> list[Path]:
+    """The hand-written files: those of the version itself, and those of both."""
+    other = "fmi3" if fmi == "2.0" else "fmi2"
+    return [path for path in sorted(NATIVE.glob("*.[ch]")) if not path.name.startswith(other)]
 
 
 def generated_functions(block: Block) -> dict[str, ca.Function]:
@@ -43,12 +62,15 @@ def generated_functions(block: Block) -> dict[str, ca.Function]:
         names.append("event_indicators")
     if block.memory:
         names.append("memory_after")
+    if block.constants:
+        names.append("constants")
     if block.table:
         names += ["stations", "stations_forward"]
     functions = {name: getattr(f, name) for name in names}
     return functions | ({"page": block.table.page} if block.table else {})
 
 
+@lru_cache(maxsize=1)
 def _equations(block: Block) -> str:
     generator = ca.CodeGenerator("equations.c", {"include_math": True})
     for name, function in generated_functions(block).items():
@@ -72,7 +94,7 @@ def _without_queries(text: str) -> str:
     return re.sub(r"\n{3,}", "\n\n", query.sub("", text))
 
 
-def _counts(block: Block, guid: str) -> str:
+def _counts(block: Block) -> str:
     functions = generated_functions(block).values()
     table = block.table
     numbers = {
@@ -84,6 +106,8 @@ def _counts(block: Block, guid: str) -> str:
         "N_MEMORY": len(block.memory),
         "N_MODES": len(block.modes),
         "N_LOCALS": len(block.locals),
+        "N_CONSTANTS": len(block.constants),
+        "N_ARRAYS": len(arrays(block)),
         "N_INDICATORS": block.functions.event_indicators.numel_out(),
         "N_DERIVED": block.functions.derived.numel_out(0),
         "TABLE_STATIONS": table.station_count if table else 0,
@@ -102,7 +126,8 @@ def _counts(block: Block, guid: str) -> str:
         lines.append(f"#define TABLE_SPACING {table.spacing!r}")
     return (
         f"/* Generated from the block {block.name!r}. */\n#ifndef BLOCK_H\n#define BLOCK_H\n"
-        f'#define GUID "{guid}"\n' + "\n".join(lines) + "\n#endif\n"
+        + "\n".join(lines)
+        + "\n#endif\n"
     )
 
 
@@ -116,7 +141,7 @@ def _variables(block: Block, start: Mapping[str, float]) -> str:
         )
     for port in block.inputs:
         rows.append(f'{{"{port.name}", "{port.unit}", REAL, 1, {port.start!r}, {-MAX!r}, {MAX!r}}}')
-    calculated = [*block.outputs, *block.locals]
+    calculated = [*block.outputs, *block.locals, *block.constants]
     reference = block.references
     tables = {
         "VariableInfo VARIABLE_INFO": rows,
@@ -126,14 +151,7 @@ def _variables(block: Block, start: Mapping[str, float]) -> str:
         "uint32_t STATE_REFERENCE": [str(reference[v.name]) for v in block.continuous],
         "uint32_t DERIVATIVE_REFERENCE": [str(reference[v.name]) for v in block.derivatives],
     }
-    return (
-        f"/* Generated from the block {block.name!r}: the tables that core.h declares. */\n"
-        '#include "core.h"\n'
-    ) + "".join(
-        # A table of nothing would not be C.
-        f"\nconst {name}[] = {{\n    " + ",\n    ".join(elements or ["0"]) + "};\n"
-        for name, elements in tables.items()
-    )
+    return c_tables(block, "core.h", tables)
 
 
 def nominals(block: Block) -> list[float]:

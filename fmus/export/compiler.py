@@ -23,12 +23,17 @@ class CompileError(FmusError):
 
 @dataclass(frozen=True)
 class Target:
-    """A platform: its name, folder in an FMI 2.0 archive, library suffix and zig's name for it."""
+    """A platform: its name, folders in an FMI 2.0 and 3.0 archive, library suffix, name for zig."""
 
     name: str
-    folder: str
+    folder2: str
+    folder3: str
     suffix: str
     zig: str
+
+    def folder(self, fmi: str) -> str:
+        """The platform's folder in the archives of a version of FMI."""
+        return self.folder2 if fmi == "2.0" else self.folder3
 
 
 # FMI 2.0.4 calls the x86-64 ones linux64, win64 and darwin64, and takes the names of all others
@@ -36,11 +41,11 @@ class Target:
 TARGETS = {
     target.name: target
     for target in (
-        Target("linux-x86_64", "linux64", ".so", "x86_64-linux-gnu.2.17"),
-        Target("linux-aarch64", "aarch64-linux", ".so", "aarch64-linux-gnu.2.17"),
-        Target("windows-x86_64", "win64", ".dll", "x86_64-windows-gnu"),
-        Target("macos-x86_64", "darwin64", ".dylib", "x86_64-macos.11.0"),
-        Target("macos-arm64", "aarch64-darwin", ".dylib", "aarch64-macos.11.0"),
+        Target("linux-x86_64", "linux64", "x86_64-linux", ".so", "x86_64-linux-gnu.2.17"),
+        Target("linux-aarch64", "aarch64-linux", "aarch64-linux", ".so", "aarch64-linux-gnu.2.17"),
+        Target("windows-x86_64", "win64", "x86_64-windows", ".dll", "x86_64-windows-gnu"),
+        Target("macos-x86_64", "darwin64", "x86_64-darwin", ".dylib", "x86_64-macos.11.0"),
+        Target("macos-arm64", "aarch64-darwin", "aarch64-darwin", ".dylib", "aarch64-macos.11.0"),
     )
 }
 

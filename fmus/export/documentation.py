@@ -12,6 +12,7 @@ from markdown_it import MarkdownIt
 from ..block import Block, Parameter, Variable
 from ..model import Model
 from ..parameters import ParameterSet
+from .model_variables import arrays
 
 STYLE = """
 :root { --ink: #26323d; --faint: #5d6b78; --line: #d5dde4; --tint: #f3f6f9; --accent: #1f5fa8 }
@@ -94,6 +95,8 @@ def documentation(
         ),
         "Outputs": _table(("name", "unit", "meaning"), [_row(v) for v in block.outputs]),
         "Local variables": _table(("name", "unit", "meaning"), [_row(v) for v in block.locals]),
+        "Constants": _table(("name", "unit", "meaning"), [_row(v) for v in block.constants]),
+        "Arrays of FMI 3.0": _arrays(block) if isinstance(block, Block) else "",
         "Parameters": _table(
             ("name", "symbol", "start", "unit", "meaning", "basis", "source"),
             [_parameter_row(v, parameters, start) for v in block.parameters],
@@ -124,6 +127,11 @@ def documentation(
 {drawn}
 {body}</body></html>
 """
+
+
+def _arrays(block: Block) -> str:
+    rows = [(a.name, " x ".join(map(str, a.shape)), a.description) for a in arrays(block)]
+    return _table(("name", "size", "meaning"), rows)
 
 
 def _anchor(title: str) -> str:

@@ -8,6 +8,7 @@ import casadi as ca
 
 from ..block import Block, Input, Output, Parameter, Signals, State, Table
 from ..terminals import RAILS, Terminal
+from ..variables import Array
 from .irregularity import (
     LINE_ROWS,
     LINES,
@@ -19,6 +20,11 @@ from .irregularity import (
 from .spectra import CHANNELS, SPECTRA
 
 AXLES = (1, 2, 3, 4)
+RAIL_MOTIONS = tuple(
+    (axis, direction, side)
+    for axis, direction in (("y", "Lateral"), ("z", "Vertical"))
+    for side in ("left", "right")
+)
 LINES_SHAPE = (len(LINE_ROWS), LINES * len(CHANNELS))
 
 
@@ -40,9 +46,18 @@ def _rails(axle: int) -> list[Output]:
             f"{direction} displacement of the {side} rail under axle {axle}",
             nominal=1e-3,
         )
-        for axis, direction in (("y", "Lateral"), ("z", "Vertical"))
-        for side in ("left", "right")
+        for axis, direction, side in RAIL_MOTIONS
     ]
+
+
+def _under_all_axles(axis: str, direction: str, side: str) -> Array:
+    rail = f"rail_{axis}_{side}"
+    return Array(
+        rail,
+        f"{direction} displacement of the {side} rail under axles 1 to {len(AXLES)}",
+        tuple(f"axle[{axle}].{rail}" for axle in AXLES),
+        (len(AXLES),),
+    )
 
 
 class Track(Block):
@@ -124,6 +139,7 @@ class Track(Block):
         )
         for axle in AXLES
     )
+    arrays = tuple(_under_all_axles(*rail) for rail in RAIL_MOTIONS)
     table: Table
 
     def __init__(self) -> None:

@@ -18,6 +18,7 @@ from ..elements import (
 )
 from .mass import mass_matrix
 from .ports import (
+    ARRAYS,
     AXLES,
     COORDINATES,
     ELEMENTS,
@@ -69,6 +70,7 @@ class Truck(Block):
     outputs = OUTPUTS
     states = STATES
     modes = MODES
+    arrays = ARRAYS
     tangents = TANGENTS
     terminals = TERMINALS
 

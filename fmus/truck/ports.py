@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from ..block import Input, Output, Parameter, State, Tangent, Variable
 from ..terminals import CENTRE_PLATE, RAILS, WHEELSET, Terminal
+from ..variables import Array, vector
 
 AXLES = (1, 2)
 COORDINATES = {
@@ -275,4 +276,26 @@ TERMINALS = (
         Terminal(f"rails[{k}]", RAILS, f"Rails under axle {k}", (x, -80), prefix=f"axle[{k}].")
         for k, x in _AXLE_PLACE.items()
     ),
+)
+
+
+def _each(name: str, text: str, units: Mapping[str, str]) -> Array:
+    """The array name[1..6], described by what each element is and its unit."""
+    each = ", ".join(f"{title.replace('_', ' ')} [{unit}]" for title, unit in units.items())
+    return vector(name, len(units), f"{text}: {each}")
+
+
+_COORDINATE_UNITS = {name: unit for name, (unit, _) in COORDINATES.items()}
+_ELEMENT_FORCES = {name: _FORCE[unit] for name, unit in ELEMENTS.items()}
+
+ARRAYS = (
+    _each("q", "Coordinates", _COORDINATE_UNITS),
+    _each(
+        "qd",
+        "Rates of the coordinates",
+        {name: f"{unit}/s" for name, unit in _COORDINATE_UNITS.items()},
+    ),
+    _each("spring", "Spring forces of the elements", _ELEMENT_FORCES),
+    _each("friction", "Friction forces of the elements", _ELEMENT_FORCES),
+    _each("slip", "Slips of the elements' friction", ELEMENTS),
 )

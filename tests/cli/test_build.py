@@ -33,8 +33,8 @@ def without_compiling(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        ((), {host_target().folder}),
-        (("--target", "host"), {host_target().folder}),
+        ((), {host_target().folder("2.0")}),
+        (("--target", "host"), {host_target().folder("2.0")}),
         (("--target", "windows-x86_64"), {"win64"}),
         (
             ("--target", "linux-x86_64", "--target", "linux-aarch64"),
@@ -65,10 +65,37 @@ def test_python_flavor_is_written_beside_the_native_one(
     result = CliRunner().invoke(main, ["build", "--out", str(tmp_path), *both])
     assert result.exit_code == 0, result.stderr
     assert {path.stem for path in tmp_path.iterdir()} == {
-        *NAMES,
-        *(f"{name}_python" for name in NAMES),
+        f"{name}{suffix}" for name in NAMES for suffix in ("", "_fmi3", "_python")
     }
     assert platforms(tmp_path / "truck_python.fmu") == {"linux64", "win64"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "suffixes"),
+    [
+        ((), {"", "_fmi3"}),
+        (("--fmi", "2.0"), {""}),
+        (("--fmi", "3.0"), {"_fmi3"}),
+        (("--fmi", "3.0", "--fmi", "2.0"), {"", "_fmi3"}),
+    ],
+)
+def test_every_block_is_built_for_the_versions_that_are_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], suffixes: set[str]
+) -> None:
+    without_compiling(monkeypatch)
+    result = CliRunner().invoke(main, ["build", "--out", str(tmp_path), *arguments])
+    assert result.exit_code == 0, result.stderr
+    expected = {f"{name}{suffix}.fmu" for name in NAMES for suffix in suffixes}
+    assert {path.name for path in tmp_path.iterdir()} == expected
+    assert all(f"{name}  " in result.stdout for name in expected)
+    if "_fmi3" in suffixes:
+        assert platforms(tmp_path / "truck_fmi3.fmu") == {host_target().folder("3.0")}
+
+
+def test_a_version_that_does_not_exist_is_refused_with_the_choices(tmp_path: Path) -> None:
+    result = CliRunner().invoke(main, ["build", "--out", str(tmp_path), "--fmi", "1.0"])
+    assert result.exit_code == 2
+    assert "'1.0' is not one of '2.0', '3.0'" in result.stderr
 
 
 def test_unknown_target_is_refused_with_the_choices(tmp_path: Path) -> None:

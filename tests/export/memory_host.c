@@ -1,4 +1,5 @@
-/* A C host of one block's FMU, linked with its sources, to run under the compiler's sanitizers:
+/* A C host of one block's FMU, linked with its sources, to run under the compiler's sanitizers. The
+ * calls of a version of FMI are in the file HOST_API.
  *     memory_host lives COUNT       instances one after the other, from their creation to their end
  *     memory_host threads COUNT     instances side by side, each in a thread of its own
  * It exits with 1 and says why if a call fails, or if instances do not give the same as alone. */
@@ -9,34 +10,7 @@
 #include <string.h>
 
 #include "core.h"
-
-typedef struct {
-    void (*logger)(void *, const char *, int, const char *, const char *, ...);
-    void *(*allocate)(size_t, size_t);
-    void (*release)(void *);
-    void (*finished)(void *, int);
-    void *environment;
-} Callbacks;
-
-void *fmi2Instantiate(const char *, int, const char *, const char *, const Callbacks *, int, int);
-void fmi2FreeInstance(void *);
-int fmi2SetupExperiment(void *, int, double, double, int, double);
-int fmi2EnterInitializationMode(void *);
-int fmi2ExitInitializationMode(void *);
-int fmi2Terminate(void *);
-int fmi2Reset(void *);
-int fmi2SetReal(void *, const unsigned *, size_t, const double *);
-int fmi2GetReal(void *, const unsigned *, size_t, double *);
-int fmi2SetRealInputDerivatives(void *, const unsigned *, size_t, const int *, const double *);
-int fmi2DoStep(void *, double, double, int);
-int fmi2GetFMUstate(void *, void **);
-int fmi2SetFMUstate(void *, void *);
-int fmi2FreeFMUstate(void *, void **);
-int fmi2SerializedFMUstateSize(void *, void *, size_t *);
-int fmi2SerializeFMUstate(void *, void *, char *, size_t);
-int fmi2DeSerializeFMUstate(void *, const char *, size_t, void **);
-int fmi2GetDirectionalDerivative(void *, const unsigned *, size_t, const unsigned *, size_t,
-                                 const double *, double *);
+#include "identity.h"
 
 enum { STEPS = 200 };
 static const double STEP = 1e-3;
@@ -51,14 +25,12 @@ static void fail(const char *what) {
 #define MUST_NOT(call) \
     if ((call) == 0) fail("this call was taken: " #call)
 
-static void logger(void *refusals, const char *name, int status, const char *category,
-                   const char *format, ...) {
-    (void)name, (void)status, (void)category, (void)format;
-    ++*(int *)refusals;
-}
+/* The value references of the inputs and of the outputs, and how many values these have. */
+static unsigned input[N_INPUTS + 1], output[N_REFERENCES];
+static size_t outputs, values;
+enum { MOST_VALUES = 2 * N_REFERENCES };
 
-/* The value references of the inputs and of the outputs. */
-static unsigned input[N_INPUTS + 1], output[N_OUTPUTS + 1];
+#include HOST_API
 
 static double plausible_size(const char *unit) {
     static const struct {
@@ -78,69 +50,48 @@ static void excite(double *value, int seed, int step) {
     }
 }
 
-static void *new_instance(int *refusals) {
-    Callbacks callbacks = {logger, calloc, free, NULL, refusals};
-    void *c = fmi2Instantiate("host", 1, GUID, "", &callbacks, 0, 0);
-    if (!c) fail("no instance");
-    return c;
-}
-
-static void begin(void *c) {
-    MUST(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0));
-    MUST(fmi2EnterInitializationMode(c));
-    MUST(fmi2ExitInitializationMode(c));
-}
-
 static void advance(void *c, int seed, int step) {
     double value[N_INPUTS + 1];
     excite(value, seed, step);
-    MUST(fmi2SetReal(c, input, N_INPUTS, value));
-    MUST(fmi2DoStep(c, step * STEP, STEP, 1));
+    MUST(set(c, input, N_INPUTS, value, N_INPUTS));
+    MUST(do_step(c, step * STEP, STEP));
 }
 
 /* Through a state in memory and one in bytes, and back. */
 static void save_and_restore(void *c) {
     void *state = NULL, *copy = NULL;
     size_t size;
-    MUST(fmi2GetFMUstate(c, &state));
-    MUST(fmi2GetFMUstate(c, &state)); /* into the same memory */
-    MUST(fmi2SerializedFMUstateSize(c, state, &size));
+    MUST(get_state(c, &state));
+    MUST(get_state(c, &state)); /* into the same memory */
+    MUST(serialized_size(c, state, &size));
     char *bytes = malloc(size);
-    MUST_NOT(fmi2SerializeFMUstate(c, state, bytes, size - 1));
-    MUST(fmi2SerializeFMUstate(c, state, bytes, size));
-    MUST_NOT(fmi2DeSerializeFMUstate(c, bytes, size - 1, &copy));
-    MUST(fmi2DeSerializeFMUstate(c, bytes, size, &copy));
+    MUST_NOT(serialize(c, state, bytes, size - 1));
+    MUST(serialize(c, state, bytes, size));
+    MUST_NOT(deserialize(c, bytes, size - 1, &copy));
+    MUST(deserialize(c, bytes, size, &copy));
     free(bytes);
     advance(c, 1, 2);
-    MUST(fmi2SetFMUstate(c, copy));
-    MUST(fmi2SetFMUstate(c, state));
-    MUST(fmi2FreeFMUstate(c, &copy));
-    MUST(fmi2FreeFMUstate(c, &state));
-    MUST(fmi2FreeFMUstate(c, &state));
-}
-
-static void derivatives(void *c) {
-    double seed[N_INPUTS + 1] = {0.0}, sensitivity[N_OUTPUTS + 1], rate[N_INPUTS + 1];
-    int order[N_INPUTS + 1];
-    for (int i = 0; i < N_INPUTS; i++) seed[i] = rate[i] = order[i] = 1;
-    MUST(fmi2GetDirectionalDerivative(c, output, N_OUTPUTS, input, N_INPUTS, seed, sensitivity));
-    MUST(fmi2SetRealInputDerivatives(c, input, N_INPUTS, order, rate));
+    MUST(set_state(c, copy));
+    MUST(set_state(c, state));
+    MUST(free_state(c, &copy));
+    MUST(free_state(c, &state));
+    MUST(free_state(c, &state));
 }
 
 static void refused(void *c) {
-    unsigned wrong[] = {0, N_REFERENCES, (unsigned)-1};
+    unsigned wrong[] = {0, PAST_THE_END, (unsigned)-1};
     double value[] = {NAN, 0.0, 0.0};
-    for (int i = 0; i < 3; i++) MUST_NOT(fmi2SetReal(c, wrong + i, 1, value));
-    for (int i = 1; i < 3; i++) MUST_NOT(fmi2GetReal(c, wrong + i, 1, value));
-    MUST_NOT(fmi2DoStep(c, 0.0, -STEP, 1));
-    MUST_NOT(fmi2DoStep(c, 0.0, NAN, 1));
-    MUST_NOT(fmi2EnterInitializationMode(c));
+    for (int i = 0; i < 3; i++) MUST_NOT(set(c, wrong + i, 1, value, 1));
+    for (int i = 1; i < 3; i++) MUST_NOT(get(c, wrong + i, 1, value, 1));
+    MUST_NOT(do_step(c, 0.0, -STEP));
+    MUST_NOT(do_step(c, 0.0, NAN));
+    MUST_NOT(enter_initialization(c));
 }
 
 /* An instance that is freed in the midst of a run; every tenth has gone through a reset. */
 static void live(int seed) {
     int refusals = 0, lives = seed % 10 ? 1 : 2;
-    double value[N_OUTPUTS + 1];
+    double value[MOST_VALUES];
     void *c = new_instance(&refusals);
     for (int life = 1; life <= lives; life++) {
         begin(c);
@@ -149,19 +100,19 @@ static void live(int seed) {
         advance(c, seed, 1);
         save_and_restore(c);
         refused(c);
-        MUST(fmi2GetReal(c, output, N_OUTPUTS, value));
+        MUST(get(c, output, outputs, value, values));
         if (life < lives) {
-            MUST(fmi2Terminate(c));
-            MUST(fmi2Reset(c));
+            MUST(terminate(c));
+            MUST(reset(c));
         }
     }
-    fmi2FreeInstance(c);
+    free_instance(c);
     if (refusals != 10 * lives) fail("not every refused call was logged once");
 }
 
 typedef struct {
     int seed;
-    double result[STEPS][N_OUTPUTS + 1];
+    double result[STEPS][MOST_VALUES];
 } Job;
 
 static void *run(void *argument) {
@@ -171,10 +122,10 @@ static void *run(void *argument) {
     begin(c);
     for (int k = 0; k < STEPS; k++) {
         advance(c, job->seed, k);
-        MUST(fmi2GetReal(c, output, N_OUTPUTS, job->result[k]));
+        MUST(get(c, output, outputs, job->result[k], values));
     }
-    MUST(fmi2Terminate(c));
-    fmi2FreeInstance(c);
+    MUST(terminate(c));
+    free_instance(c);
     return NULL;
 }
 
@@ -198,11 +149,11 @@ int main(int arguments, char **argument) {
     if (arguments != 3) fail("usage: memory_host lives|threads COUNT");
     int count = atoi(argument[2]);
     for (unsigned i = 0; i < N_INPUTS; i++) input[i] = FIRST_INPUT + i;
-    for (unsigned i = 0; i < N_OUTPUTS; i++) output[i] = FIRST_OUTPUT + i;
+    list_outputs();
     if (strcmp(argument[1], "threads") == 0)
         side_by_side(count);
     else
         for (int i = 0; i < count; i++) live(i);
-    fmi2FreeInstance(NULL);
+    free_instance(NULL);
     return 0;
 }

@@ -260,8 +260,8 @@ class AnyCalls(RuleBasedStateMachine):
         return None if values is None else [value.hex() for value in values]
 
 
-def test_calls_in_any_order_are_refused_or_right_and_a_reset_forgets_them(instantiate, block_name):
-    fresh = standard_run(instantiate(block_name, "fresh"))
-    instance = instantiate(block_name)
+def test_calls_in_any_order_are_refused_or_right_and_a_reset_forgets_them(instantiate2, block_name):
+    fresh = standard_run(instantiate2(block_name, "fresh"))
+    instance = instantiate2(block_name)
     machine = type("Calls", (AnyCalls,), {"instance": instance, "fresh": fresh})
     run_state_machine_as_test(machine, settings=SETTINGS)

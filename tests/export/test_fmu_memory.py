@@ -48,7 +48,9 @@ def compiler_with(flags: tuple[str, ...]) -> str | None:
     return None
 
 
-def host(block_name: str, flags: tuple[str, ...], tmp_path_factory: pytest.TempPathFactory) -> Path:
+def host(
+    block_name: str, fmi: str, flags: tuple[str, ...], tmp_path_factory: pytest.TempPathFactory
+) -> Path:
     """The C host with the block's sources, or the test is skipped."""
     compiler = compiler_with(flags)
     if compiler is None:
@@ -56,9 +58,11 @@ def host(block_name: str, flags: tuple[str, ...], tmp_path_factory: pytest.TempP
     block = BLOCKS[block_name]()
     folder = tmp_path_factory.mktemp(block_name)
     start = parameter_set(DEFAULT_SET).values(block)
-    for name, text in {**sources(block, start, "guid"), HOST.name: HOST.read_text()}.items():
+    calls = HOST.with_name(f"host_fmi{fmi[0]}.h")
+    own = {file.name: file.read_text() for file in (HOST, calls)}
+    for name, text in {**sources(block, start, fmi, "guid"), **own}.items():
         (folder / name).write_text(text)
-    return compiled(folder, compiler, flags)
+    return compiled(folder, compiler, (*flags, f'-DHOST_API="{calls.name}"'))
 
 
 def run(program: Path, *arguments: object) -> None:
@@ -66,9 +70,9 @@ def run(program: Path, *arguments: object) -> None:
     assert done.returncode == 0, done.stderr[-3000:]
 
 
-def test_ten_thousand_lives_leave_no_memory_behind(block_name, tmp_path_factory):
-    run(host(block_name, MEMORY, tmp_path_factory), "lives", LIVES)
+def test_ten_thousand_lives_leave_no_memory_behind(block_name, fmi, tmp_path_factory):
+    run(host(block_name, fmi, MEMORY, tmp_path_factory), "lives", LIVES)
 
 
-def test_instances_in_threads_share_nothing(block_name, tmp_path_factory):
-    run(host(block_name, THREADS, tmp_path_factory), "threads", INSTANCES)
+def test_instances_in_threads_share_nothing(block_name, fmi, tmp_path_factory):
+    run(host(block_name, fmi, THREADS, tmp_path_factory), "threads", INSTANCES)

@@ -1,4 +1,4 @@
-"""Single sentences of the FMI 2.0 standard, each as a claim about the FMUs."""
+"""Single sentences of the FMI standard, each as a claim about the FMUs."""
 
 from __future__ import annotations
 
@@ -25,6 +25,12 @@ def instance(instantiate, block_name):
     return instantiate(block_name)
 
 
+@pytest.fixture
+def instance2(instantiate2, block_name):
+    """For what FMI 2.0 alone has, or calls by another name."""
+    return instantiate2(block_name)
+
+
 def run(instance: FmuInstance, steps: int = 3) -> FmuInstance:
     instance.initialize()
     for k in range(steps):
@@ -33,13 +39,13 @@ def run(instance: FmuInstance, steps: int = 3) -> FmuInstance:
     return instance
 
 
-def test_freeing_no_instance_does_nothing(instance):
-    instance.slave.dll.fmi2FreeInstance(None)
+def test_freeing_no_instance_does_nothing(instance2):
+    instance2.slave.dll.fmi2FreeInstance(None)
 
 
 @pytest.mark.parametrize("phase", ["instantiated", "initializing", "running", "terminated"])
-def test_lists_of_length_zero_may_be_null(instance, phase):
-    slave, c = instance.slave, instance.slave.component
+def test_lists_of_length_zero_may_be_null(instance2, phase):
+    slave, c = instance2.slave, instance2.slave.component
     if phase != "instantiated":
         slave.enterInitializationMode()
     if phase in ("running", "terminated"):
@@ -61,8 +67,8 @@ def test_lists_of_length_zero_may_be_null(instance, phase):
         slave.fmi2SetRealInputDerivatives(c, None, 0, None, None)
 
 
-def test_a_list_that_is_not_there_is_refused(instance):
-    slave, c = instance.slave, instance.slave.component
+def test_a_list_that_is_not_there_is_refused(instance2):
+    slave, c = instance2.slave, instance2.slave.component
     for function, arguments in (
         (slave.fmi2GetReal, (c, None, 1, None)),
         (slave.fmi2SetReal, (c, None, 1, None)),
@@ -72,7 +78,7 @@ def test_a_list_that_is_not_there_is_refused(instance):
         (slave.fmi2GetDirectionalDerivative, (c, None, 1, None, 0, None, None)),
         (slave.fmi2GetDirectionalDerivative, (c, None, 0, None, 1, None, None)),
     ):
-        assert "it is NULL" in refused(instance, function, *arguments)
+        assert "it is NULL" in refused(instance2, function, *arguments)
 
 
 def test_nothing_steps_past_the_stop_time(instance):
@@ -94,8 +100,8 @@ def test_a_reset_forgets_the_stop_time(instance):
     instance.slave.doStep(0.0, 2 * STEP)
 
 
-def test_a_stop_time_before_the_start_is_refused(instance):
-    message = refused(instance, instance.slave.setupExperiment, None, 1.0, 0.5)
+def test_a_stop_time_before_the_start_is_refused(instance2):
+    message = refused(instance2, instance2.slave.setupExperiment, None, 1.0, 0.5)
     assert "stop time lies before the start time" in message
 
 
@@ -109,25 +115,25 @@ def test_time_never_overflows(instance):
     assert "must be finite" in refused(instance, instance.slave.doStep, 1.7e308, 1.7e308)
 
 
-def test_nothing_is_set_after_the_end(instance):
-    run(instance).slave.terminate()
-    before = instance.outputs()
-    name = instance.names("input")[0]
+def test_nothing_is_set_after_the_end(instance2):
+    run(instance2).slave.terminate()
+    before = instance2.outputs()
+    name = instance2.names("input")[0]
     parameter = next(
         v.name
-        for v in instance.variables.values()
+        for v in instance2.variables.values()
         if v.causality == "parameter" and v.type == "Real"
     )
-    slave = instance.slave
+    slave = instance2.slave
     for function, *arguments in (
-        (instance.set, {name: 1.0}),
-        (instance.set, {parameter: instance.get(parameter)[0]}),
+        (instance2.set, {name: 1.0}),
+        (instance2.set, {parameter: instance2.get(parameter)[0]}),
         (slave.setInteger, [1], [1]),
         (slave.setBoolean, [1], [1]),
-        (slave.setRealInputDerivatives, instance.vr(name), [1], [1.0]),
+        (slave.setRealInputDerivatives, instance2.vr(name), [1], [1.0]),
     ):
-        assert "the run has ended" in refused(instance, function, *arguments)
-    assert instance.outputs() == before
+        assert "the run has ended" in refused(instance2, function, *arguments)
+    assert instance2.outputs() == before
 
 
 def test_a_run_can_go_back_from_after_its_end(instance):
@@ -254,23 +260,23 @@ def test_a_tunable_parameter_changes_a_run_from_then_on(instantiate):
     assert one.outputs() == before
 
 
-def test_no_step_runs_in_the_background(instance):
-    run(instance)
-    assert "no step runs in the background" in refused(instance, instance.slave.cancelStep)
-    assert instance.slave.getRealStatus(2) == pytest.approx(3 * STEP)
-    assert instance.slave.getBooleanStatus(3) is False
+def test_no_step_runs_in_the_background(instance2):
+    run(instance2)
+    assert "no step runs in the background" in refused(instance2, instance2.slave.cancelStep)
+    assert instance2.slave.getRealStatus(2) == pytest.approx(3 * STEP)
+    assert instance2.slave.getBooleanStatus(3) is False
 
 
-def test_the_start_time_is_where_the_run_begins(instance):
-    instance.slave.setupExperiment(startTime=2.5)
-    instance.slave.setupExperiment(startTime=3.5)
-    instance.slave.enterInitializationMode()
-    assert instance.slave.getRealStatus(2) == 3.5
-    instance.slave.exitInitializationMode()
-    assert "before initialization" in refused(instance, instance.slave.setupExperiment)
+def test_the_start_time_is_where_the_run_begins(instance2):
+    instance2.slave.setupExperiment(startTime=2.5)
+    instance2.slave.setupExperiment(startTime=3.5)
+    instance2.slave.enterInitializationMode()
+    assert instance2.slave.getRealStatus(2) == 3.5
+    instance2.slave.exitInitializationMode()
+    assert "before initialization" in refused(instance2, instance2.slave.setupExperiment)
 
 
-def test_without_an_instance_every_call_is_an_error(instance):
-    library = instance.slave.dll
+def test_without_an_instance_every_call_is_an_error(instance2):
+    library = instance2.slave.dll
     for name in ("Reset", "Terminate", "EnterInitializationMode", "ExitInitializationMode"):
         assert getattr(library, f"fmi2{name}")(ctypes.c_void_p()) == 3

@@ -13,10 +13,10 @@ from fmus.twin import Twin
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_fmu_and_python_agree_over_random_states(instantiate, block_name, seed):
+def test_fmu_and_python_agree_over_random_states(instantiate2, block_name, seed):
     block = BLOCKS[block_name]()
     values = parameter_set("loaded").values(block)
-    instance = instantiate(block_name)
+    instance = instantiate2(block_name)
     twin = Twin(block, values)
     rng = np.random.default_rng(seed)
     for name, value in scaled_inputs(instance, rng).items():

@@ -13,10 +13,10 @@ from pathlib import Path
 import lief
 import numpy as np
 import pytest
+from fmi3_instance import INSTANCE
 from fmpy import read_model_description, supported_platforms
 from fmpy.validation import validate_fmu
-from fmu_instance import FmuInstance
-from test_fmu_archive import FMI2_FUNCTIONS
+from functions import FUNCTIONS
 from tools import need
 
 from fmus import BLOCKS
@@ -25,7 +25,6 @@ from fmus.export import CompileError, build, compiler
 from fmus.export.compiler import TARGETS, compile_library, compiler_command, host_target, targets
 
 lief.logging.disable()
-STANDARD = {f"fmi2{name}" for name in FMI2_FUNCTIONS}
 QUICK = tuple(name for name in TARGETS if not name.startswith("windows"))
 """Cold, these take seconds; zig's first build for Windows takes a minute."""
 RUNNERS = {
@@ -42,22 +41,32 @@ RUNNERS = {
 @pytest.fixture(
     scope="module",
     params=[
-        pytest.param(("wheelrail", QUICK), id="wheelrail"),
+        *(pytest.param(("wheelrail", fmi, QUICK), id=f"wheelrail-{fmi}") for fmi in FUNCTIONS),
         *(
-            pytest.param((block, tuple(TARGETS)), marks=pytest.mark.slow, id=f"{block}-all")
+            pytest.param(
+                (block, fmi, tuple(TARGETS)), marks=pytest.mark.slow, id=f"{block}-{fmi}-all"
+            )
             for block in NAMES
+            for fmi in FUNCTIONS
         ),
     ],
 )
-def fmu(request, tmp_path_factory) -> Path:
-    """A block's FMU for several platforms."""
-    block, platforms = request.param
-    return build(tmp_path_factory.mktemp(block), [block], platforms)[block]
+def built(request, tmp_path_factory) -> tuple[str, str, Path]:
+    """Block and version of an FMU for several platforms, and the FMU."""
+    block, fmi, platforms = request.param
+    (fmu,) = build(tmp_path_factory.mktemp(block), [block], platforms, [fmi]).values()
+    return block, fmi, fmu
+
+
+@pytest.fixture(scope="module")
+def fmu(built) -> Path:
+    return built[2]
 
 
 def libraries(fmu: Path) -> dict[str, bytes]:
     """The binaries of an archive, by the name of their target."""
-    folders = {f"binaries/{t.folder}/{fmu.stem}{t.suffix}": t.name for t in TARGETS.values()}
+    block, fmi = fmu.stem.removesuffix("_fmi3"), "3.0" if fmu.stem.endswith("_fmi3") else "2.0"
+    folders = {f"binaries/{t.folder(fmi)}/{block}{t.suffix}": t.name for t in TARGETS.values()}
     with zipfile.ZipFile(fmu) as archive:
         names = [name for name in archive.namelist() if name.startswith("binaries/")]
         return {folders[name]: archive.read(name) for name in names}
@@ -84,15 +93,17 @@ def test_one_archive_holds_a_library_for_each_platform(fmu):
         assert processor[name] in found, name
 
 
-def test_importers_know_the_platforms_and_load_the_hosts_library(fmu):
+def test_importers_know_the_platforms_and_load_the_hosts_library(built):
+    _, fmi, fmu = built
     assert validate_fmu(str(fmu)) == []
     assert {"c-code", "linux64", "darwin64"} <= set(supported_platforms(str(fmu)))
-    instance = FmuInstance(fmu).initialize()
+    instance = INSTANCE[fmi](fmu).initialize()
     assert np.all(np.isfinite(instance.outputs()))
     instance.close()
 
 
-def test_every_library_exports_the_functions_of_the_standard_and_no_others(fmu):
+def test_every_library_exports_the_functions_of_the_standard_and_no_others(built):
+    _, fmi, fmu = built
     for name, library in parsed(fmu, "").items():
         if isinstance(library, lief.PE.Binary):
             exported = {entry.name for entry in library.get_export().entries}
@@ -102,7 +113,7 @@ def test_every_library_exports_the_functions_of_the_standard_and_no_others(fmu):
             # What the linker defines in every library of macOS.
             exported -= {"__mh_dylib_header", "___dso_handle"}
             exported = {symbol.removeprefix("_") for symbol in exported}
-        assert exported == STANDARD, name
+        assert exported == FUNCTIONS[fmi], name
 
 
 def test_linux_libraries_need_glibc_2_17_at_most(fmu):
@@ -126,10 +137,11 @@ def test_windows_library_needs_the_kernel_and_the_universal_c_runtime_only(fmu):
         assert "kernel32.dll" in needed and not foreign, (name, foreign)
 
 
-def test_mac_libraries_are_for_macos_11_and_the_arm_one_is_signed(fmu):
+def test_mac_libraries_are_for_macos_11_and_the_arm_one_is_signed(built):
+    block, _, fmu = built
     for name, library in parsed(fmu, "macos").items():
         own, *needed = (str(file.name) for file in library.libraries)
-        assert own == f"@rpath/{fmu.stem}.dylib"
+        assert own == f"@rpath/{block}.dylib"
         assert needed == ["/usr/lib/libSystem.B.dylib"]
         oldest = library.build_version or library.version_min
         assert tuple(getattr(oldest, "minos", None) or oldest.version)[:2] == (11, 0), name
@@ -137,13 +149,16 @@ def test_mac_libraries_are_for_macos_11_and_the_arm_one_is_signed(fmu):
     assert arm.has_code_signature
 
 
-def test_two_builds_for_several_platforms_have_the_same_bytes(fmu, tmp_path):
-    again = build(tmp_path, [fmu.stem], libraries(fmu))[fmu.stem]
+def test_two_builds_for_several_platforms_have_the_same_bytes(built, tmp_path):
+    block, fmi, fmu = built
+    (again,) = build(tmp_path, [block], libraries(fmu), [fmi]).values()
     assert again.read_bytes() == fmu.read_bytes()
 
 
-def test_an_fmu_says_the_same_whatever_it_is_built_for(fmu, tmp_path):
-    host = build(tmp_path, [fmu.stem])[fmu.stem]
+def test_an_fmu_says_the_same_whatever_it_is_built_for(built, tmp_path):
+    """Nor does the build of the other version beside it show."""
+    block, _, fmu = built
+    host = build(tmp_path, [block])[fmu.stem]
     with zipfile.ZipFile(host) as one, zipfile.ZipFile(fmu) as several:
         for name in one.namelist():
             assert several.read(name) == one.read(name), name
@@ -254,7 +269,7 @@ def test_libraries_of_two_platforms_agree_bit_for_bit(target, block, tmp_path, f
     package, programs, arguments = RUNNERS[target]
     runner = next(filter(None, map(shutil.which, programs)), None)
     need(runner, package)
-    fmu = build(tmp_path, [block], ("linux-x86_64", target))[block]
+    fmu = build(tmp_path, [block], ("linux-x86_64", target), ["2.0"])[block]
     here = stepped(fmu, "linux-x86_64", [], tmp_path, foreign_environment)
     there = stepped(fmu, target, [str(runner), *arguments], tmp_path, foreign_environment)
     assert np.all(np.isfinite(here)) and np.ptp(here, axis=0).max() > 0.0

@@ -35,6 +35,7 @@ void core_reset(Instance *instance) {
     memset(s, 0, sizeof *s);
     for (int i = 0; i < N_PARAMETERS + N_INPUTS; i++)
         s->value[FIRST_PARAMETER + i] = VARIABLE_INFO[i].start;
+    memcpy(s->given, s->value + FIRST_INPUT, N_INPUTS * sizeof(double));
     s->phase = INSTANTIATED;
     s->derived_stale = s->states_stale = s->outputs_stale = 1;
     memset(instance->page_filled, 0, sizeof instance->page_filled);
@@ -70,7 +71,11 @@ Status core_terminate(Instance *instance) {
     return OK;
 }
 
-static const char *const KIND_NAME[] = {"real", "integer", "boolean", "enumeration"};
+static const char *const KIND_NAME[] = {"real", "integer", "boolean", "enumeration", "integer"};
+
+static int is_kind(Kind own, Kind asked) {
+    return own == asked || (asked == WHOLE && (own == INTEGER || own == ENUMERATION));
+}
 
 static Status check_settable(Instance *instance, uint32_t reference, Kind kind, double value) {
     const State *s = &instance->state;
@@ -79,11 +84,12 @@ static Status check_settable(Instance *instance, uint32_t reference, Kind kind, 
                          (unsigned)reference, FIRST_PARAMETER, FIRST_OUTPUT - 1);
     if (reference >= FIRST_OUTPUT)
         return core_fail(instance, "%s is %s and cannot be set", CALCULATED_NAME[reference - FIRST_OUTPUT],
-                         reference < FIRST_LOCAL ? "an output" : "a local variable");
+                         reference < FIRST_LOCAL      ? "an output"
+                         : reference < FIRST_CONSTANT ? "a local variable"
+                                                      : "a calculated parameter");
     const VariableInfo *info = VARIABLE_INFO + reference - 1;
     int pure = strcmp(info->unit, "1") == 0; /* a pure number's unit is not shown */
-    int same = info->kind == kind || (info->kind == ENUMERATION && kind == INTEGER);
-    if (!same)
+    if (!is_kind(info->kind, kind))
         return core_fail(instance, "%s is of type %s and cannot be set as %s", info->name,
                          KIND_NAME[info->kind], KIND_NAME[kind]);
     if (!finite_number(value))
@@ -102,6 +108,7 @@ static void store(State *s, uint32_t reference, double value) {
     s->value[reference] = value;
     s->outputs_stale = 1;
     if (reference < FIRST_INPUT) s->derived_stale = 1;
+    else s->given[reference - FIRST_INPUT] = value;
     if (!started(s)) s->states_stale = 1;
 }
 
@@ -135,6 +142,21 @@ Status core_set_rate(Instance *instance, uint32_t reference, double rate) {
     return OK;
 }
 
+Status core_set_ahead(Instance *instance, const uint32_t *reference, size_t count, const double *value,
+                      double size) {
+    State *s = &instance->state;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t input = reference[i] - FIRST_INPUT;
+        if (input >= N_INPUTS)
+            return core_fail(instance, "value reference %u is no input: only inputs (%d to %d) are set within a step",
+                             (unsigned)reference[i], FIRST_INPUT, FIRST_OUTPUT - 1);
+        if (check_settable(instance, reference[i], REAL, value[i]) != OK) return ERROR;
+        s->rate[input] += (value[i] - s->given[input]) / size;
+        s->given[input] = value[i];
+    }
+    return OK;
+}
+
 static Status check_readable(Instance *instance, uint32_t reference) {
     if (reference >= N_REFERENCES)
         return core_fail(instance, "there is no value reference %u: the highest is %d",
@@ -146,9 +168,14 @@ static Status check_readable(Instance *instance, uint32_t reference) {
     return OK;
 }
 
-/* A derivative that is no output, or a memory state. */
+/* A derivative that is no output, a memory state or a constant. */
 static Status get_local(Instance *instance, uint32_t reference, double *value) {
-    double rate[N_CONTINUOUS + 1];
+    double rate[N_CONTINUOUS + 1], constant[N_CONSTANTS + 1];
+    if (reference >= FIRST_CONSTANT) {
+        if (evaluate_constants(instance, constant) != OK) return ERROR;
+        *value = constant[reference - FIRST_CONSTANT];
+        return OK;
+    }
     if (refresh_states(instance) != OK) return ERROR;
     if (reference >= FIRST_MEMORY) {
         *value = instance->state.x[N_CONTINUOUS + reference - FIRST_MEMORY];
@@ -177,7 +204,7 @@ Status core_get_kind(Instance *instance, uint32_t reference, Kind kind, double *
         return core_fail(instance, "value reference %u cannot be read as %s: parameters are %d to %d",
                          (unsigned)reference, KIND_NAME[kind], FIRST_PARAMETER, FIRST_INPUT - 1);
     Kind own = VARIABLE_INFO[reference - 1].kind;
-    if (own != kind && !(own == ENUMERATION && kind == INTEGER))
+    if (!is_kind(own, kind))
         return core_fail(instance, "%s is of type %s and cannot be read as %s",
                          VARIABLE_INFO[reference - 1].name, KIND_NAME[own], KIND_NAME[kind]);
     *value = instance->state.value[reference];

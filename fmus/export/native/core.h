@@ -8,18 +8,21 @@
 
 #include "block.h"
 
-/* Value references: 0 is time, then the parameters, inputs, outputs and local variables, each in
- * block order. Local are the derivatives of continuous states that are no outputs, then the memory. */
+/* Value references: 0 is time, then the parameters, inputs, outputs, local variables and constants,
+ * each in block order. Local are the derivatives of continuous states that are no outputs, then the
+ * memory. */
 enum {
     FIRST_PARAMETER = 1,
     FIRST_INPUT = FIRST_PARAMETER + N_PARAMETERS,
     FIRST_OUTPUT = FIRST_INPUT + N_INPUTS,
     FIRST_LOCAL = FIRST_OUTPUT + N_OUTPUTS,
     FIRST_MEMORY = FIRST_LOCAL + N_LOCALS - N_MEMORY,
-    N_REFERENCES = FIRST_LOCAL + N_LOCALS
+    FIRST_CONSTANT = FIRST_LOCAL + N_LOCALS,
+    N_REFERENCES = FIRST_CONSTANT + N_CONSTANTS
 };
 
-typedef enum { REAL, INTEGER, BOOLEAN, ENUMERATION } Kind;
+/* WHOLE is how FMI 2.0 asks: for an integer or an enumeration. */
+typedef enum { REAL, INTEGER, BOOLEAN, ENUMERATION, WHOLE } Kind;
 
 typedef enum { OK = 0, WARNING = 1, ERROR = 3 } Status;
 
@@ -38,7 +41,7 @@ typedef struct {
 
 /* Parameters and inputs, by value reference - 1. */
 extern const VariableInfo VARIABLE_INFO[];
-/* Outputs and local variables, by value reference - FIRST_OUTPUT. */
+/* Outputs, local variables and constants, by value reference - FIRST_OUTPUT. */
 extern const char *const CALCULATED_NAME[];
 /* The continuous states come first. */
 extern const char *const STATE_NAME[];
@@ -49,6 +52,7 @@ extern const uint32_t STATE_REFERENCE[], DERIVATIVE_REFERENCE[];
 typedef struct {
     double time;
     double value[FIRST_LOCAL];
+    double given[N_INPUTS + 1]; /* inputs as last set, less the block's own motion since */
     double rate[N_INPUTS + 1];
     double x[N_STATES + 1];
     double mode[N_MODES + 1];
@@ -88,6 +92,12 @@ Status core_set_rate(Instance *instance, uint32_t reference, double rate);
 Status core_get(Instance *instance, const uint32_t *reference, size_t count, double *value);
 Status core_get_kind(Instance *instance, uint32_t reference, Kind kind, double *value);
 Status core_step(Instance *instance, double time, double size);
+/* The parts of a step: how many micro steps it takes, and that many at once, or one after the other
+ * with inputs for the end of each, which they reach along a line. */
+Status core_plan(Instance *instance, double time, double size, long *count);
+Status core_advance(Instance *instance, double time, double size, long count);
+Status core_set_ahead(Instance *instance, const uint32_t *reference, size_t count, const double *value,
+                      double size);
 /* unknown: outputs and derivatives; known: inputs and continuous states. */
 Status core_directional(Instance *instance, const uint32_t *unknown, size_t unknown_count,
                         const uint32_t *known, size_t known_count, const double *seed,

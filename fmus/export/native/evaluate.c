@@ -139,6 +139,17 @@ Status evaluate_indicators(Instance *instance, double *indicator) {
     return OK;
 }
 
+Status evaluate_constants(Instance *instance, double *constant) {
+    if (refresh_derived(instance) != OK) return ERROR;
+#if N_CONSTANTS
+    instance->arg[0] = parameters(&instance->state);
+    instance->arg[1] = instance->state.d;
+    instance->res[0] = constant;
+    CALL(constants);
+#endif
+    return OK;
+}
+
 Status update_memory(Instance *instance) {
     if (refresh_states(instance) != OK) return ERROR;
 #if N_MEMORY
@@ -159,7 +170,7 @@ Status update_memory(Instance *instance) {
 /* More micro steps than this in one step are taken for a mistake in the step or the parameters. */
 static const double MOST_MICRO_STEPS = 1e8;
 
-Status core_step(Instance *instance, double time, double size) {
+Status core_plan(Instance *instance, double time, double size, long *count) {
     State *s = &instance->state;
     if (instance->interface != CO_SIMULATION)
         return core_fail(instance, "doStep is for co-simulation, and this instance for model exchange");
@@ -169,18 +180,22 @@ Status core_step(Instance *instance, double time, double size) {
         return core_fail(instance, "doStep from t = %g s by %g s: the step must be finite and not negative",
                          time, size);
     if (refresh_states(instance) != OK) return ERROR;
-
-    double x[2][N_STATES + 1], u[2][N_INPUTS + 1], largest = size;
-    memcpy(x[0], s->x, sizeof s->x);
-    memcpy(u[0], inputs(s), N_INPUTS * sizeof(double));
-    common_arguments(instance, x[0], u[0]);
+    double largest = size;
+    common_arguments(instance, s->x, inputs(s));
     instance->res[0] = &largest;
     CALL(largest_step);
     double steps = ceil(size / largest - 1e-9);
     if (!(steps <= MOST_MICRO_STEPS))
         return core_fail(instance, "doStep by %g s needs micro steps of %g s: too many", size, largest);
-    long count = steps > 1.0 ? (long)steps : 1;
-    double micro = size / (double)count;
+    *count = steps > 1.0 ? (long)steps : 1;
+    return OK;
+}
+
+Status core_advance(Instance *instance, double from, double size, long count) {
+    State *s = &instance->state;
+    double x[2][N_STATES + 1], u[2][N_INPUTS + 1], micro = size / (double)count;
+    memcpy(x[0], s->x, sizeof s->x);
+    memcpy(u[0], inputs(s), N_INPUTS * sizeof(double));
     int now = 0;
     for (long i = 0; i < count; i++, now = !now) {
         instance->arg[0] = x[now];
@@ -197,13 +212,19 @@ Status core_step(Instance *instance, double time, double size) {
     if (lost)
         return core_fail(instance, "%s is no longer finite after the step from t = %.17g s by %g s: "
                                    "the coupling or the micro step is unstable; take a smaller step",
-                         lost, time, size);
+                         lost, from, size);
     memcpy(s->x, x[now], sizeof s->x);
     memcpy(inputs(s), u[now], N_INPUTS * sizeof(double));
     memset(s->rate, 0, sizeof s->rate);
-    s->time = s->value[0] = time + size;
+    s->time = s->value[0] = from + size;
     s->outputs_stale = 1;
     return OK;
+}
+
+Status core_step(Instance *instance, double time, double size) {
+    long count;
+    if (core_plan(instance, time, size, &count) != OK) return ERROR;
+    return core_advance(instance, time, size, count);
 }
 
 int continuous_place(const uint32_t *table, uint32_t reference) {

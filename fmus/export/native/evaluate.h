@@ -25,6 +25,7 @@ Status refresh_outputs(Instance *instance);
 /* Time derivatives of the continuous states; fails where one is not finite. */
 Status evaluate_derivatives(Instance *instance, double *rate);
 Status evaluate_indicators(Instance *instance, double *indicator);
+Status evaluate_constants(Instance *instance, double *constant);
 /* Let memory and modes follow the states and inputs. */
 Status update_memory(Instance *instance);
 

@@ -10,7 +10,8 @@ from ...twin import TwinModel
 from ..accompanying import accompanying_files
 from ..archive import NO_GUID
 from ..build import VERSION
-from ..description import dependencies, described, initial_dependencies, ours
+from ..dependencies import dependencies, initial_dependencies
+from ..description import described, ours
 from .assembly import Recipe, write
 from .sources import FMUS, Sources
 

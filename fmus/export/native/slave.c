@@ -1,0 +1,120 @@
+#include "slave.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "identity.h"
+
+static void forget_experiment(Slave *slave) {
+    slave->start = 0.0;
+    slave->stop = DBL_MAX;
+}
+
+const char *slave_create(Slave *slave, Interface interface, const char *name, const char *token,
+                         Report report, void *environment) {
+    if (!name || !*name) return "an instance needs a name";
+    if (!token || strcmp(token, GUID) != 0)
+        return "the GUID differs from the model description's: binary and description do not belong together";
+    slave->name = malloc(strlen(name) + 1);
+    slave->core = core_create(interface, report, environment);
+    if (!slave->name || !slave->core) return "not enough memory";
+    strcpy(slave->name, name);
+    forget_experiment(slave);
+    return NULL;
+}
+
+void slave_clear(Slave *slave) {
+    core_free(slave->core);
+    free(slave->name);
+}
+
+Status slave_refuse(Slave *slave, const char *what) {
+    return slave ? core_fail(slave->core, "%s", what) : ERROR;
+}
+
+Status slave_experiment(Slave *slave, double start, int stop_defined, double stop) {
+    if (slave->core->state.phase != INSTANTIATED)
+        return slave_refuse(slave, "the experiment is set up before initialization");
+    if (stop_defined && !(stop >= start)) return slave_refuse(slave, "the stop time lies before the start time");
+    slave->start = start;
+    slave->stop = stop_defined ? stop : DBL_MAX;
+    return OK;
+}
+
+Status slave_enter_initialization(Slave *slave) {
+    if (slave->core->state.phase != INSTANTIATED)
+        return slave_refuse(slave, "initialization is entered once, after instantiation or a reset");
+    return core_start(slave->core, slave->start);
+}
+
+Status slave_exit_initialization(Slave *slave) {
+    if (slave->core->state.phase != INITIALIZING)
+        return slave_refuse(slave, "initialization is left after it was entered, and once");
+    return core_finish_initialization(slave->core);
+}
+
+Status slave_reset(Slave *slave) {
+    core_reset(slave->core);
+    forget_experiment(slave);
+    return OK;
+}
+
+Status slave_check_step(Slave *slave, double time, double size) {
+    double stop = slave->stop;
+    if (time + size > stop + 1e-9 * fabs(stop) + 1e-6 * size) /* what masters lose by rounding */
+        return core_fail(slave->core, "doStep from t = %.17g s by %g s goes past the stop time of %g s", time,
+                         size, stop);
+    return OK;
+}
+
+static Status make_room(Slave *slave, void **state) {
+    if (!*state) *state = malloc(sizeof(State));
+    return *state ? OK : slave_refuse(slave, "not enough memory for a state");
+}
+
+Status slave_save(Slave *slave, void **state) {
+    if (!state) return slave_refuse(slave, "a place for the state is needed");
+    if (make_room(slave, state) != OK) return ERROR;
+    memcpy(*state, &slave->core->state, sizeof(State));
+    return OK;
+}
+
+Status slave_restore(Slave *slave, const void *state) {
+    if (!state) return slave_refuse(slave, "a saved state is needed");
+    return core_restore(slave->core, state);
+}
+
+Status slave_free_state(void **state) {
+    if (state) {
+        free(*state);
+        *state = NULL;
+    }
+    return OK;
+}
+
+/* Serialized: the GUID, then the state's bytes; another build's bytes are refused. */
+enum { SERIALIZED_SIZE = sizeof GUID + sizeof(State) };
+
+Status slave_serialized_size(Slave *slave, const void *state, size_t *size) {
+    if (!state || !size) return slave_refuse(slave, "a saved state and a place for its size are needed");
+    *size = SERIALIZED_SIZE;
+    return OK;
+}
+
+Status slave_serialize(Slave *slave, const void *state, void *bytes, size_t size) {
+    if (!state || !bytes || size < SERIALIZED_SIZE)
+        return slave_refuse(slave, "too few bytes to serialize the state into");
+    memcpy(bytes, GUID, sizeof GUID);
+    memcpy((char *)bytes + sizeof GUID, state, sizeof(State));
+    return OK;
+}
+
+Status slave_deserialize(Slave *slave, const void *bytes, size_t size, void **state) {
+    if (!bytes || !state || size < SERIALIZED_SIZE || memcmp(bytes, GUID, sizeof GUID) != 0)
+        return slave_refuse(slave, "these bytes are no state of this FMU, or of another build of it");
+    if (make_room(slave, state) != OK) return ERROR;
+    memcpy(*state, (const char *)bytes + sizeof GUID, sizeof(State));
+    return OK;
+}

@@ -1,0 +1,49 @@
+/* What FMI 2.0 and FMI 3.0 share above the core: the instance's name, the experiment's times, the
+ * order of the calls around a run, saved states and their bytes. */
+#ifndef SLAVE_H
+#define SLAVE_H
+
+#include "core.h"
+
+#if defined(_WIN32)
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+
+typedef struct {
+    Instance *core;
+    char *name;
+    double start, stop;
+} Slave;
+
+/* Fills the slave; NULL, or why there can be no such instance. */
+const char *slave_create(Slave *slave, Interface interface, const char *name, const char *token,
+                         Report report, void *environment);
+void slave_clear(Slave *slave);
+
+/* ERROR, after the message has been logged; a slave that is not there has no log. */
+Status slave_refuse(Slave *slave, const char *what);
+
+Status slave_experiment(Slave *slave, double start, int stop_defined, double stop);
+Status slave_enter_initialization(Slave *slave);
+Status slave_exit_initialization(Slave *slave);
+Status slave_reset(Slave *slave);
+/* Whether a step stays within the experiment. */
+Status slave_check_step(Slave *slave, double time, double size);
+
+Status slave_save(Slave *slave, void **state);
+Status slave_restore(Slave *slave, const void *state);
+Status slave_free_state(void **state);
+Status slave_serialized_size(Slave *slave, const void *state, size_t *size);
+Status slave_serialize(Slave *slave, const void *state, void *bytes, size_t size);
+Status slave_deserialize(Slave *slave, const void *bytes, size_t size, void **state);
+
+#define NEEDS_INSTANCE if (!c) return ERROR
+#define NEEDS_LISTS(count, one, other) \
+    if ((count) != 0 && (!(one) || !(other))) return slave_refuse(c, "a list of the call is missing: it is NULL")
+#define NEEDS_SETTABLE                               \
+    if (((Slave *)c)->core->state.phase == TERMINATED) \
+    return slave_refuse(c, "the run has ended: a reset or a saved state comes before new values")
+
+#endif
