@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from .failures import clear_errors
+from .fmu_data import as_data, experiment, has_source, scales
 from .hopper import BLOCK_OF
 from .options import Name
 from .terminal import writable
@@ -29,7 +29,7 @@ BLOCKS = tuple(dict.fromkeys(BLOCK_OF.values()))
 
 CAPABILITIES = {
     "directional derivatives": ("providesDirectionalDerivative", "providesDirectionalDerivatives"),
-    "input derivatives": ("canInterpolateInputs",),
+    "input derivatives": ("canInterpolateInputs", "providesIntermediateUpdate"),
     "variable step": ("canHandleVariableCommunicationStepSize",),
     "saved state": ("canGetAndSetFMUstate", "canGetAndSetFMUState"),
     "serialised state": ("canSerializeFMUstate", "canSerializeFMUState"),
@@ -89,7 +89,7 @@ def info(file: Path, parameters: bool, as_json: bool) -> None:
     description = survey(contents)
     beside = extras(contents)
     if as_json:
-        data = _as_data(contents, description, beside)
+        data = as_data(contents, description, beside)
         click.echo(json.dumps(data, indent=2, ensure_ascii=False))
         return
     console = _console()
@@ -229,8 +229,8 @@ def _print_head(
     grid.add_row("platforms", _platforms(contents, description))
     for kind, said in contents.interfaces.items():
         grid.add_row(kind, _capabilities(kind, said))
-    if experiment := _experiment(contents):
-        grid.add_row("experiment", ", ".join(f"{k} {v}" for k, v in experiment.items()))
+    if said := experiment(contents):
+        grid.add_row("experiment", ", ".join(f"{k} {v}" for k, v in said.items()))
     grid.add_row("units", _units(description) or "none")
     grid.add_row("parameters", str(len(_of(description, *PARAMETERS))))
     grid.add_row("states", f"{beside.states}, event indicators {beside.event_indicators}")
@@ -249,7 +249,7 @@ def _of(description: Description, *causalities: str) -> list[Variable]:
 
 
 def _platforms(contents: Contents, description: Description) -> str:
-    source = ["source code"] if _has_source(contents) else []
+    source = ["source code"] if has_source(contents) else []
     return _here([*contents.platforms, *source], bool(description.binary))
 
 
@@ -258,10 +258,6 @@ def _here(platforms: list[str], runs_here: bool) -> str:
 
     here = "runs on this machine" if runs_here else f"none for this machine, {fmpy.platform}"
     return f"{', '.join(platforms)} ({here})" if platforms else f"none ({fmpy.platform} is needed)"
-
-
-def _has_source(contents: Contents) -> bool:
-    return any(name.startswith("sources/") and name.endswith(".c") for name in contents.members)
 
 
 def _capabilities(kind: str, said: Mapping[str, str]) -> str:
@@ -277,21 +273,6 @@ def _capabilities(kind: str, said: Mapping[str, str]) -> str:
     return "\n".join(f"{label} {', '.join(names)}" for label, names in parts.items() if names)
 
 
-def _scales(description: Description) -> dict[str, Any]:
-    """Every unit that is used or defined, and its scale; None for one that is not known."""
-    from orchestrator.errors import UnitError
-    from orchestrator.units import scale_of
-
-    used = {v.unit for v in description.variables.values() if v.unit} | set(description.units)
-    scales: dict[str, Any] = {}
-    for unit in sorted(used):
-        try:
-            scales[unit] = scale_of(unit, description.units)
-        except UnitError:
-            scales[unit] = None
-    return scales
-
-
 def _units(description: Description) -> str:
     def shown(unit: str, scale: Any) -> str:
         if scale is None:
@@ -301,7 +282,7 @@ def _units(description: Description) -> str:
         shift = f" {scale.offset:+.10g}" if scale.offset else ""
         return f"{unit} ({scale.factor:.10g}{shift} in SI)"
 
-    return ", ".join(shown(unit, scale) for unit, scale in _scales(description).items())
+    return ", ".join(shown(unit, scale) for unit, scale in scales(description).items())
 
 
 def _print_ports(console: Console, description: Description) -> None:
@@ -342,10 +323,6 @@ def _print_terminals(console: Console, beside: Extras) -> None:
     ]
     console.print()
     console.print(_table(f"terminals ({len(rows)})", rows))
-
-
-def _dependencies(output: Variable) -> list[str] | None:
-    return None if output.dependencies is None else sorted(output.dependencies)
 
 
 def _kind(port: Variable) -> str:
@@ -399,14 +376,6 @@ def _range(variable: Variable) -> str:
     return f"at least {low:.10g}" if high is None else f"{low:.10g} to {high:.10g}"
 
 
-def _experiment(contents: Contents) -> dict[str, str]:
-    """What the default experiment says, in words; times in seconds."""
-    element = contents.root.find("DefaultExperiment")
-    said = {} if element is None else element.attrib
-    words = {"startTime": "start", "stopTime": "stop", "stepSize": "step", "tolerance": "tolerance"}
-    return {word: said[name] for name, word in words.items() if name in said}
-
-
 def _comparison(found: StandIn) -> Table:
     grid = _grid()
 
@@ -442,69 +411,3 @@ def _comparison(found: StandIn) -> Table:
 def _shortened(names: list[str], limit: int = 8) -> str:
     more = f" and {len(names) - limit} more" if len(names) > limit else ""
     return ", ".join(names[:limit]) + more
-
-
-def _as_data(contents: Contents, description: Description, beside: Extras) -> dict[str, Any]:
-    """All that is known of an FMU, in types that JSON has; null is what it does not say."""
-    root = contents.root.attrib
-    provenance = ("generationTool", "generationDateAndTime", "author", "copyright", "license")
-    return {
-        "file": str(contents.path),
-        "sha256": description.sha256,
-        "fmi_version": contents.version,
-        "model_name": root.get("modelName"),
-        "model_version": root.get("version"),
-        "description": root.get("description"),
-        "guid": description.guid,
-        "provenance": {name: root.get(name) for name in provenance},
-        "platforms": contents.platforms,
-        "runs_here": bool(description.binary),
-        "has_source": _has_source(contents),
-        "interfaces": {kind: dict(said) for kind, said in contents.interfaces.items()},
-        "default_experiment": _experiment(contents),
-        "states": beside.states,
-        "event_indicators": beside.event_indicators,
-        "terminals": [
-            {
-                "name": terminal.name,
-                "kind": terminal.kind,
-                "rule": terminal.rule,
-                "members": [
-                    dict(zip(("name", "variable", "kind"), member, strict=True))
-                    for member in terminal.members
-                ],
-            }
-            for terminal in beside.terminals
-        ],
-        "layered_standards": [
-            {
-                "name": standard.name,
-                "version": standard.version,
-                "related": [{"role": role, "source": source} for role, source in standard.related],
-            }
-            for standard in beside.standards
-        ],
-        "problems": beside.problems,
-        "units": {
-            unit: None if scale is None else asdict(scale)
-            for unit, scale in _scales(description).items()
-        },
-        "variables": [
-            {
-                "name": v.name,
-                "type": v.type,
-                "shape": list(v.shape),
-                "causality": v.causality,
-                "variability": v.variability,
-                "unit": v.unit,
-                "start": v.start,
-                "minimum": v.minimum,
-                "maximum": v.maximum,
-                "items": dict(v.items),
-                "derivative_of": v.derivative_of,
-                "description": v.description,
-            }
-            | ({"dependencies": _dependencies(v)} if v.causality == "output" else {})
-            for v in description.variables.values()
-        ],
-    }
