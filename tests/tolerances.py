@@ -177,3 +177,9 @@ differentiated from its positions at 1 ms, and its accelerations are not known: 
 INTERMEDIATE_UPDATE = 1e-10
 """FMI 3.0's inputs at intermediate updates against FMI 2.0's input derivatives: what is lost by
 taking the rate as the difference of two inputs over a micro step."""
+
+RING_DOWN = 2e-3
+"""Growth [1/s] and relative frequency of a mode from a run: other modes have died away to 1e-4."""
+
+SLOPE = 1e-5
+"""Exact derivatives of an eigenvalue against central differences of 1e-4, the largest being 1."""

@@ -10,6 +10,8 @@ from __future__ import annotations
 from .outcome import Outcome
 
 STUDIES = {
+    "stability": "Eigenvalues of the linearised car against speed (Figures 7-14 to 7-16)",
+    "sensitivity": "What drives the hunting: derivatives of growth and critical speed",
     "carbody-survey": "Carbody on air springs: modal survey (Table 4-1, Figures 4-8, 4-9)",
     "truck-hysteresis": "Truck on a rig: loops of every element (Figure 4-20)",
     "identify": "Analog parameters of a truck element from a measured loop (Table 4-5)",

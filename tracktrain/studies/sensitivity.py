@@ -1,0 +1,192 @@
+"""What drives the hunting: derivatives of growth and critical speed with respect to parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import pi
+from typing import TYPE_CHECKING
+
+import click
+import numpy as np
+
+from ..hopper import CARS
+from ..options import Name, Quantity
+from ..scales import FOOT, MILE_PER_HOUR
+from .command import study_command
+from .outcome import Outcome
+from .stability import SPEEDS, critical_speeds, linear_car, name_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from ..linear import LinearCar, Parameter
+
+BARS = 16
+"""Parameters in the picture."""
+
+DIFFERENCE = 1e-4
+"""Relative change of a parameter for the central difference that checks its derivative."""
+
+
+def sensitivity(
+    car: str = "loaded",
+    friction: str = "stuck",
+    speed: float = 80 * FOOT,
+    changes: Mapping[str, float] | None = None,
+    check: bool = True,
+) -> Outcome:
+    """Rank the parameters of the car by what they do to its hunting.
+
+    The report's last recommendation. For the least damped mode at `speed` [m/s], the change of its
+    growth rate for one percent of each parameter, exact by the eigenvectors; the same for the
+    critical speed. check: put central differences beside them. changes: parameters [SI] other than
+    the set's.
+    """
+    linear = linear_car(car, friction, changes)
+    roots, shapes = linear.modes(speed)
+    place = int(roots.real.argmax())
+    growth, _ = linear.slopes(speed, roots[place])
+    grid = np.arange(SPEEDS[0], SPEEDS[1] + 1, 2) * FOOT
+    critical = critical_speeds(linear, grid)
+    table = _table(linear, growth, speed, roots[place], critical, check)
+    name = name_of(linear, shapes[:, place])
+    title = (
+        f"Sensitivity of the mode `{name}` ({roots[place].imag / (2 * pi):.2f} Hz, growth "
+        f"{roots[place].real:+.3f} 1/s) at {speed / FOOT:.0f} ft/s, {car}, friction {friction}"
+    )
+    notes = []
+    if not critical:
+        notes.append("no mode becomes unstable up to 140 ft/s: there is no critical speed")
+    else:
+        notes.append(
+            f"critical speed {critical[0][0]:.2f} m/s ({critical[0][0] / MILE_PER_HOUR:.1f} mph)"
+        )
+    notes.append(
+        "growth and critical speed change by so much when the parameter grows by 1 %; "
+        "`differences` is the same growth by central differences"
+    )
+    notes.append("a parameter that several blocks have, such as half_wheelbase, changes in all")
+    return Outcome(
+        title=title,
+        dataset=_dataset(table).assign_attrs(
+            car=car, friction=friction, speed=speed, mode=name, growth=float(roots[place].real)
+        ),
+        tables={
+            "for_one_percent": table.drop(columns=["blocks", "value", "unit", "frequency [Hz]"])
+        },
+        pictures={"sensitivity": _figure(table, title)},
+        notes=notes,
+    )
+
+
+command = study_command(
+    "sensitivity",
+    click.option(
+        "--car", type=Name("car", CARS), default="loaded", show_default=True, help="Parameter set."
+    ),
+    click.option(
+        "--friction",
+        type=Name("friction", ("stuck", "free", "damper", "report")),
+        default="stuck",
+        show_default=True,
+        help="What stands for dry friction.",
+    ),
+    click.option(
+        "--speed",
+        type=Quantity("speed", "m/s", ("ft/s", "mph", "m/s", "km/h"), "80 ft/s"),
+        default="80 ft/s",
+        show_default=True,
+        metavar="SPEED",
+        help="Speed of the train, with its unit.",
+    ),
+    epilog="""\b
+Examples:
+  tracktrain study sensitivity
+  tracktrain study sensitivity --car empty --speed "100 ft/s\"""",
+)(sensitivity)
+
+
+def _table(
+    linear: LinearCar,
+    growth: Mapping[str, complex],
+    speed: float,
+    root: complex,
+    critical: list[tuple[float, complex, str]],
+    check: bool,
+) -> pd.DataFrame:
+    """One row a parameter, those that matter most first."""
+    import pandas as pd
+
+    at_critical: Mapping[str, complex] = {}
+    per_speed = 0.0
+    if critical:
+        at_critical, along_speed = linear.slopes(critical[0][0], critical[0][1])
+        per_speed = along_speed.real
+    rows = []
+    for p in linear.parameters:
+        if p.value == 0.0:
+            continue
+        one_percent = 0.01 * p.value
+        row = {
+            "parameter": p.name,
+            "blocks": " ".join(p.blocks),
+            "value": p.value,
+            "unit": p.unit,
+            "growth [1/s]": growth[p.name].real * one_percent,
+            "frequency [Hz]": growth[p.name].imag * one_percent / (2 * pi),
+        }
+        if check:
+            row["differences [1/s]"] = _difference(linear, p, speed, root) * one_percent
+        if critical:
+            shift = -at_critical[p.name].real / per_speed
+            row["critical speed [m/s]"] = shift * one_percent
+        rows.append(row)
+    table = pd.DataFrame(rows).set_index("parameter")
+    order = table["growth [1/s]"].abs().sort_values(ascending=False).index
+    felt = table.loc[order]
+    return felt[felt["growth [1/s]"].abs() > 1e-12]
+
+
+def _dataset(table: pd.DataFrame) -> xr.Dataset:
+    """The table with units as attributes, since no name of a variable may have a slash."""
+    import xarray as xr
+
+    columns = {}
+    for heading in table.columns:
+        name, _, unit = heading.partition(" [")
+        attributes = {"units": unit.rstrip("]")} if unit else {}
+        columns[name] = ("parameter", table[heading].to_numpy(), attributes)
+    return xr.Dataset(columns, {"parameter": list(table.index)})
+
+
+def _difference(linear: LinearCar, parameter: Parameter, speed: float, root: complex) -> float:
+    """Central difference of the growth rate of an eigenvalue, per SI unit of a parameter."""
+    h = DIFFERENCE * parameter.value
+    ends = []
+    for value in (parameter.value + h, parameter.value - h):
+        roots = np.linalg.eigvals(linear.matrix(speed, {parameter.name: value}))
+        ends.append(roots[np.abs(roots - root).argmin()].real)
+    return float(ends[0] - ends[1]) / (2 * h)
+
+
+def _figure(table: pd.DataFrame, title: str) -> Figure:
+    """Ranked bars: what drives the hunting to the right, what calms it to the left."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    from ..plots import BLUE, INK, RED, STYLE
+
+    top = table.head(BARS)[::-1]
+    values = top["growth [1/s]"]
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(9.0, 1.4 + 0.32 * len(top)), layout="constrained")
+        axes = figure.subplots()
+        colours = [RED if value > 0 else BLUE for value in values]
+        axes.barh([name.replace("_", " ") for name in top.index], values, color=colours)
+        axes.axvline(0.0, color=INK, lw=0.8)
+        axes.set_xlabel("change of the growth rate for +1 % of the parameter [1/s]")
+        axes.grid(axis="y", visible=False)
+        axes.set_title(title.replace("` (", "`\n("), fontsize=10)
+        return figure

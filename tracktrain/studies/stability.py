@@ -1,0 +1,433 @@
+"""Complex eigenvalues of the linearised car against speed; its modes named, drawn and animated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import pi
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+import numpy as np
+
+from ..hopper import BLOCK_OF, CARS, hopper_car
+from ..options import Assignment, Name, Quantity
+from ..scales import FOOT, MILE_PER_HOUR
+from ..terminal import Progress
+from .command import study_command
+from .outcome import Outcome
+from .ringdown import Oscillation, oscillation
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from orchestrator import System
+
+    from ..linear import Complex, LinearCar
+    from .mode_shapes import Line
+
+SPEEDS = (20.0, 140.0)
+"""Speeds between which the eigenvalues are followed [ft/s], as report Figure 7-14 and beyond."""
+
+DRAWN_SPEED = 60 * FOOT
+"""Speed of the modes that are drawn [m/s]."""
+
+HIGHEST = 40.0
+"""Frequency above which modes are the contacts' own and are left out of the pictures [Hz]."""
+
+KICK, LINEAR = 1e-12, 1e-5
+"""Yaw of a truck that a ring-down starts from [rad]; motion up to which it is linear [m]."""
+
+NAMES = {
+    "carbody.q[1]": "lateral",
+    "carbody.q[2]": "bounce",
+    "carbody.q[3]": "roll",
+    "carbody.q[4]": "yaw",
+    "carbody.q[5]": "pitch",
+    "carbody.q[6]": "torsion",
+    "carbody.q[7]": "lateral bending",
+    "carbody.q[8]": "vertical bending",
+}
+PARTS = {
+    1: "lateral", 2: "yaw", 3: "bolster roll", 4: "warp", 5: "bolster lateral", 6: "bolster bounce",
+}  # fmt: skip
+SECOND = 0.25
+"""Share of a mode's energy from which a second coordinate is part of its name."""
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A mode followed over the speeds: its name, eigenvalues [1/s] and shapes (speeds, states)."""
+
+    name: str
+    roots: Complex
+    shapes: Complex
+
+    @property
+    def frequency(self) -> np.ndarray:
+        """[Hz]"""
+        return self.roots.imag / (2 * pi)
+
+    @property
+    def damping(self) -> np.ndarray:
+        """Damping ratio."""
+        return -self.roots.real / np.abs(self.roots)
+
+
+def stability(
+    car: str = "loaded",
+    friction: str = "stuck",
+    changes: Mapping[str, float] | None = None,
+    speeds: Sequence[float] | None = None,
+    drawn_speed: float = DRAWN_SPEED,
+    ring_down: Sequence[float] = (),
+    swaps: Mapping[str, Path] | None = None,
+    animate: bool = True,
+    progress: Progress | None = None,
+) -> Outcome:
+    """Damping ratio and frequency of the car's modes against speed, and its critical speed.
+
+    Report Figures 7-14 to 7-16. The eigenvalues are exact, out of the blocks' equations, with dry
+    friction stuck, free, replaced by the equivalent damper of (7-7), or as the report has it.
+    changes: parameters [SI] other than the set's. speeds [m/s]. ring_down: speeds [m/s] at which
+    the growth is also identified from a run of the FMUs; `swaps` are other FMUs for that run, by
+    instance. The modes are drawn at `drawn_speed` [m/s].
+    """
+    from ..linear import LinearCar
+    from .mode_shapes import animate_mode, draw_mode
+
+    grid = np.asarray(
+        speeds if speeds is not None else np.arange(SPEEDS[0], SPEEDS[1] + 1, 2) * FOOT
+    )
+    linear = linear_car(car, friction, changes)
+    branches = follow(linear, grid, progress)
+    critical = critical_speeds(linear, grid)
+    tables = {
+        "modes": _modes_table(linear, drawn_speed),
+        "critical_speed": _critical_table(critical),
+    }
+    if ring_down:
+        system = _swapped(hopper_car(car, track="perfect"), swaps or {})
+        stuck = linear if friction == "stuck" else LinearCar(car, changes)
+        tables["ring_down"] = _ring_down_table(stuck, system, changes or {}, ring_down)
+    pictures = {"figure_7_14": _figure(branches, grid, friction)}
+    files: dict[str, bytes] = {}
+    for figure, word in (("figure_7_15", "roll"), ("figure_7_16", "torsion")):
+        lines, title = _drawn(linear, drawn_speed, word)
+        pictures[figure] = draw_mode(lines, title)
+        if animate:
+            files[f"{figure}.gif"] = animate_mode(lines, title)
+    return Outcome(
+        title=f"Stability of the linearised car, {car}, friction {friction}",
+        dataset=_dataset(branches, grid, car, friction),
+        tables=tables,
+        pictures=pictures,
+        files=files,
+        notes=_notes(critical, grid, friction, bool(ring_down)),
+    )
+
+
+command = study_command(
+    "stability",
+    click.option(
+        "--car", type=Name("car", CARS), default="loaded", show_default=True, help="Parameter set."
+    ),
+    click.option(
+        "--friction",
+        type=Name("friction", ("stuck", "free", "damper", "report")),
+        default="stuck",
+        show_default=True,
+        help="What stands for dry friction.",
+    ),
+    click.option(
+        "--speed",
+        "drawn_speed",
+        type=Quantity("speed", "m/s", ("ft/s", "mph", "m/s", "km/h"), "60 ft/s"),
+        default="60 ft/s",
+        show_default=True,
+        metavar="SPEED",
+        help="Speed of the modes that are listed and drawn.",
+    ),
+    click.option(
+        "--ring-down",
+        type=Quantity("speed", "m/s", ("ft/s", "mph", "m/s", "km/h"), "60 ft/s"),
+        multiple=True,
+        metavar="SPEED",
+        help="Also identify the growth from a run of the FMUs. Repeatable.",
+    ),
+    click.option(
+        "--swap",
+        "swaps",
+        type=Assignment(tuple(BLOCK_OF), "instance=path.fmu"),
+        multiple=True,
+        callback=lambda _, __, given: {instance: Path(path) for instance, _, path in given},
+        metavar="INSTANCE=FMU",
+        help="Put another FMU in an instance's place in the ring-down. Repeatable.",
+    ),
+    click.option("--no-animation", "animate", flag_value=False, default=True, help="No GIF files."),
+    epilog="""\b
+Examples:
+  tracktrain study stability
+  tracktrain study stability --friction damper --speed "80 ft/s"
+  tracktrain study stability --ring-down "60 ft/s" --ring-down "100 ft/s\"""",
+)(stability)
+
+
+def linear_car(car: str, friction: str, changes: Mapping[str, float] | None) -> LinearCar:
+    """The car; its dampers are made for the frequency that it hunts at. # report (7-7)"""
+    from ..linear import LinearCar
+
+    if friction != "damper":
+        return LinearCar(car, changes, friction)
+    roots, _ = LinearCar(car, changes).modes(DRAWN_SPEED)
+    return LinearCar(car, changes, friction, omega=float(roots[roots.real.argmax()].imag))
+
+
+def follow(linear: LinearCar, speeds: np.ndarray, progress: Progress | None = None) -> list[Branch]:
+    """The modes of all speeds, joined by likeness of shape and nearness of eigenvalue."""
+    from scipy.optimize import linear_sum_assignment
+
+    roots, shapes = linear.modes(speeds[0])
+    paths = [([root], [shapes[:, i]]) for i, root in enumerate(roots)]
+    for number, speed in enumerate(speeds[1:], start=2):
+        roots, shapes = linear.modes(speed)
+        last = np.array([path[1][-1] for path in paths])
+        before = np.array([path[0][-1] for path in paths])
+        alike = np.abs(last.conj() @ shapes)
+        far = np.abs(before[:, None] - roots) / np.maximum(np.abs(before[:, None]), np.abs(roots))
+        lines, columns = linear_sum_assignment(far - alike)
+        for line, column in zip(lines, columns, strict=True):
+            paths[line][0].append(roots[column])
+            paths[line][1].append(shapes[:, column])
+        if progress:
+            progress(number / len(speeds))
+    whole = [path for path in paths if len(path[0]) == len(speeds)]
+    middle = len(speeds) // 2
+    return [
+        Branch(name_of(linear, path[1][middle]), np.array(path[0]), np.array(path[1]))
+        for path in whole
+    ]
+
+
+def name_of(linear: LinearCar, shape: Complex) -> str:
+    """A mode's name, by the coordinates that have most of its kinetic energy."""
+    shares: dict[str, float] = {}
+    for coordinate, share in linear.energies(shape).items():
+        place = coordinate.partition(".q[")[2]
+        name = NAMES.get(coordinate) or f"truck {PARTS[int(place[:-1])]}"
+        shares[name] = shares.get(name, 0.0) + share
+    first, second = sorted(shares.items(), key=lambda item: -item[1])[:2]
+    return f"{first[0]} + {second[0]}" if second[1] >= SECOND else first[0]
+
+
+def critical_speeds(linear: LinearCar, speeds: np.ndarray) -> list[tuple[float, complex, str]]:
+    """Speeds [m/s] at which a mode becomes unstable, its eigenvalue there, and its name."""
+    from scipy.optimize import brentq
+
+    def growth(speed: float) -> float:
+        return linear.growth(speed)
+
+    levels = [growth(speed) for speed in speeds]
+    found = []
+    for low, high, before, after in zip(speeds, speeds[1:], levels, levels[1:], strict=False):
+        if before < 0.0 <= after:
+            speed = brentq(growth, low, high, xtol=1e-9)
+            roots, shapes = linear.modes(speed)
+            most = int(roots.real.argmax())
+            found.append((float(speed), complex(roots[most]), name_of(linear, shapes[:, most])))
+    return found
+
+
+def identified(system: System, speed: float, duration: float = 80.0) -> Oscillation:
+    """The oscillation that a system of the car's instances settles into after a small kick.
+
+    Whatever FMUs it has: frequency and growth come from the run alone, from its last third before
+    friction gives way.
+    """
+    from orchestrator import simulate
+
+    from ..errors import TracktrainError
+
+    car = system.with_value("track.speed", speed).with_value(_kicked(system), KICK)
+    run = simulate(car, duration=duration, record=["truck_front.axle[1].y"])
+    if not run.completed:
+        raise TracktrainError(f"the ring-down at {speed:g} m/s stopped: {run.message}")
+    motion = run.dataset["truck_front.axle[1].y"].values
+    large = np.flatnonzero(np.abs(motion) > LINEAR)
+    end = int(large[0]) if large.size else len(motion)
+    late = slice(end - end // 3, end)
+    return oscillation(run.time[late], motion[late] / float(np.abs(motion[late]).max()))
+
+
+def _kicked(system: System) -> str:
+    """The initial yaw of a truck that has one."""
+    from orchestrator import describe
+
+    from ..errors import TracktrainError
+
+    for truck in ("truck_front", "truck_rear"):
+        fmu = Path(str(system.components[truck].fmu))
+        if "initial.yaw" in describe(fmu).variables:
+            return f"{truck}.initial.yaw"
+    raise TracktrainError(
+        "neither truck has the parameter initial.yaw, by which a ring-down begins"
+    )
+
+
+def _swapped(system: System, swaps: Mapping[str, Path]) -> System:
+    from ..changes import swapped
+
+    for instance, path in swaps.items():
+        system, _ = swapped(system, instance, path)
+    return system
+
+
+def _modes_table(linear: LinearCar, speed: float) -> pd.DataFrame:
+    import pandas as pd
+
+    roots, shapes = linear.modes(speed)
+    rows = [
+        {
+            "mode": name_of(linear, shapes[:, i]),
+            "frequency [Hz]": root.imag / (2 * pi),
+            "damping ratio": -root.real / abs(root),
+            "growth [1/s]": root.real,
+        }
+        for i, root in enumerate(roots)
+        if root.imag < 2 * pi * HIGHEST
+    ]
+    return pd.DataFrame(rows).set_index("mode")
+
+
+def _critical_table(critical: Sequence[tuple[float, complex, str]]) -> pd.DataFrame:
+    import pandas as pd
+
+    rows = [
+        {
+            "mode": name,
+            "critical speed [m/s]": speed,
+            "[ft/s]": speed / FOOT,
+            "[mph]": speed / MILE_PER_HOUR,
+            "frequency [Hz]": root.imag / (2 * pi),
+        }
+        for speed, root, name in critical
+    ]
+    columns = ["mode", "critical speed [m/s]", "[ft/s]", "[mph]", "frequency [Hz]"]
+    return pd.DataFrame(rows, columns=columns).set_index("mode")
+
+
+def _ring_down_table(
+    linear: LinearCar, system: System, changes: Mapping[str, float], speeds: Sequence[float]
+) -> pd.DataFrame:
+    import pandas as pd
+
+    for name, value in changes.items():
+        for instance, block in BLOCK_OF.items():
+            if name in system.components[instance].parameters or name.startswith(f"{block}."):
+                system = system.with_value(f"{instance}.{name.removeprefix(block + '.')}", value)
+    rows = []
+    for speed in speeds:
+        found = identified(system, speed)
+        roots, _ = linear.modes(speed)
+        own = complex(found.growth, 2 * pi * found.frequency)
+        exact = roots[np.abs(roots - own).argmin()]
+        rows.append(
+            {
+                "speed [ft/s]": speed / FOOT,
+                "growth, run [1/s]": found.growth,
+                "growth, exact [1/s]": exact.real,
+                "frequency, run [Hz]": found.frequency,
+                "frequency, exact [Hz]": exact.imag / (2 * pi),
+            }
+        )
+    return pd.DataFrame(rows).set_index("speed [ft/s]")
+
+
+def _drawn(linear: LinearCar, speed: float, word: str) -> tuple[list[Line], str]:
+    """Lines and title of the slowest mode with at least half of the largest share of a motion."""
+    from .mode_shapes import wire_frame
+
+    coordinate = next(c for c, name in NAMES.items() if name == word)
+    roots, shapes = linear.modes(speed)
+    shares = np.array([linear.energies(shape)[coordinate] for shape in shapes.T])
+    place = int(np.flatnonzero(shares >= 0.5 * shares.max())[0])
+    root = roots[place]
+    shape = dict(zip(linear.states, shapes[:, place], strict=True))
+    title = (
+        f"{word} mode: {root.imag / (2 * pi):.2f} Hz, damping ratio "
+        f"{-root.real / abs(root):+.3f}, at {speed / FOOT:.0f} ft/s"
+    )
+    return wire_frame(shape, linear.values("carbody"), linear.values("truck")), title
+
+
+def _dataset(branches: Sequence[Branch], speeds: np.ndarray, car: str, friction: str) -> xr.Dataset:
+    import xarray as xr
+
+    names = [branch.name for branch in branches]
+    data = {
+        "frequency": (
+            ("mode", "speed"),
+            np.array([b.frequency for b in branches]),
+            {"units": "Hz"},
+        ),
+        "damping_ratio": (
+            ("mode", "speed"),
+            np.array([b.damping for b in branches]),
+            {"units": "1"},
+        ),
+        "growth": (("mode", "speed"), np.array([b.roots.real for b in branches]), {"units": "1/s"}),
+        "name": (("mode",), names),
+    }
+    axis = ("speed", speeds, {"units": "m/s"})
+    return xr.Dataset(data, {"speed": axis}, {"car": car, "friction": friction})
+
+
+def _figure(branches: Sequence[Branch], speeds: np.ndarray, friction: str) -> Figure:
+    """Damping ratio and frequency of the slow modes against speed."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    from ..plots import MUTED, RED, STYLE, conversion
+
+    slow = [b for b in branches if b.frequency.mean() < 12.0]
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(9.0, 7.6), layout="constrained")
+        damping, frequency = figure.subplots(2, 1, sharex=True)
+        colours = mpl.colormaps["tab10"]
+        damping.axhline(0.0, color=RED, lw=0.9)
+        for number, branch in enumerate(slow):
+            label = f"{branch.name} ({branch.frequency.mean():.1f} Hz)"
+            damping.plot(speeds / FOOT, branch.damping, color=colours(number % 10), label=label)
+            frequency.plot(speeds / FOOT, branch.frequency, color=colours(number % 10))
+        damping.set_ylabel("damping ratio")
+        damping.set_title(f"Modes of the linearised car, friction {friction} (report Figure 7-14)")
+        damping.legend(frameon=False, fontsize=8, ncols=2)
+        damping.annotate(
+            "unstable below", (0.0, 0.0), (4, -3), xycoords=("axes fraction", "data"),
+            textcoords="offset points", va="top", color=RED, fontsize=8,
+        )  # fmt: skip
+        frequency.set(xlabel="speed [ft/s]", ylabel="frequency [Hz]")
+        top = damping.secondary_xaxis("top", functions=conversion(FOOT / MILE_PER_HOUR))
+        top.tick_params(labelsize=8, colors=MUTED)
+        top.set_xlabel("[mph]", color=MUTED)
+        return figure
+
+
+def _notes(
+    critical: Sequence[tuple[float, complex, str]], speeds: np.ndarray, friction: str, rung: bool
+) -> list[str]:
+    notes = ["a ring-down is of small motion, in which friction is stuck"] if rung else []
+    if not critical:
+        notes.append(
+            f"no mode becomes unstable between {speeds[0] / FOOT:.0f} and "
+            f"{speeds[-1] / FOOT:.0f} ft/s"
+        )
+    if friction == "damper":
+        notes.append(
+            "the dampers of (7-7) are made for the free play of elements with a stop, for four "
+            "times the elastic reach of others, and for the frequency at which the car hunts"
+        )
+    return notes
