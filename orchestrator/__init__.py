@@ -12,7 +12,9 @@ from .bonds import BondResidual
 from .checkpoint import read_checkpoint
 from .description import Description, Tangent, Variable, describe
 from .errors import OrchestratorError
+from .linear import LinearModel, linearise
 from .mock import Mock
+from .monolith import monolith
 from .port_map import Port, PortMap, read_port_map
 from .results import Run
 from .simulation import resume, simulate
@@ -26,6 +28,7 @@ __all__ = [
     "Description",
     "Experiment",
     "Linear",
+    "LinearModel",
     "Mock",
     "OrchestratorError",
     "Port",
@@ -37,6 +40,8 @@ __all__ = [
     "Tangent",
     "Variable",
     "describe",
+    "linearise",
+    "monolith",
     "read_checkpoint",
     "read_port_map",
     "resume",

@@ -222,6 +222,9 @@ class FmuSlave(Slave):
 class Fmi2Slave(FmuSlave):
     """An instance of an FMI 2.0 co-simulation FMU that was unzipped into `folder`."""
 
+    wrapper = "FMU2Slave"
+    """fmpy's class for it."""
+
     def __init__(
         self, name: str, description: Description, folder: Path, logger: Logger | None = None
     ) -> None:
@@ -238,7 +241,7 @@ class Fmi2Slave(FmuSlave):
         fmi2.addLoggerProxy(ctypes.byref(callbacks))
         working_folder = Path.cwd()
         try:
-            self._fmu = fmi2.FMU2Slave(
+            self._fmu = getattr(fmi2, self.wrapper)(
                 guid=description.guid,
                 unzipDirectory=str(folder),
                 modelIdentifier=description.model_identifier,
