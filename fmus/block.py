@@ -283,10 +283,23 @@ class Functions:
             [xv, uv, pv, dv, lookup],
             [_ordered(block.outputs, block.output(x, u, p, d, lookup if block.table else None))],
         )
-        self.stations_forward, self.forward = self._along_seeds(len(block.continuous))
+        self._continuous = len(block.continuous)
 
-    def _along_seeds(self, continuous: int) -> tuple[ca.Function, ca.Function]:
-        """Derivatives of stations, outputs and rates in a direction of states and inputs."""
+    @property
+    def stations_forward(self) -> ca.Function:
+        return self._along_seeds[0]
+
+    @property
+    def forward(self) -> ca.Function:
+        return self._along_seeds[1]
+
+    @cached_property
+    def _along_seeds(self) -> tuple[ca.Function, ca.Function]:
+        """Derivatives of stations, outputs and rates in a direction of states and inputs.
+
+        Made when first asked for: it takes most of the time, and a simulation does without.
+        """
+        continuous = self._continuous
         plain = self.outputs.is_a("SXFunction")
         kind: Any = ca.SX if plain else ca.MX
         arguments: list[Any] = self.outputs.sx_in() if plain else self.outputs.mx_in()

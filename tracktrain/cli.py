@@ -18,7 +18,7 @@ from .chosen import CAR_ONLY, chosen_car, chosen_file, refuse_options, system_op
 from .errors import TracktrainError
 from .failures import Stopped, clear_errors
 from .fmu_command import fmu
-from .new_command import new
+from .model_commands import new, pack
 from .options import Name
 from .run_options import RESUMED, isolated, run_options, survival
 from .studies.command import study
@@ -54,6 +54,7 @@ def main() -> None:
 
 main.add_command(fmu)
 main.add_command(new)
+fmu.add_command(pack)
 main.add_command(study)
 
 

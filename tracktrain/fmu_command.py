@@ -13,7 +13,6 @@ from .failures import clear_errors
 from .fmu_data import as_data, experiment, has_source, scales
 from .hopper import BLOCK_OF
 from .options import Name
-from .terminal import writable
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -141,32 +140,6 @@ def check(ctx: click.Context, file: Path, block: str | None, map_file: Path | No
     style = "bold green" if found.possible else "bold red"
     console.print(found.verdict, style=style, soft_wrap=True)
     ctx.exit(0 if found.possible else 1)
-
-
-@fmu.command(
-    epilog="""\b
-Examples:
-  tracktrain fmu pack my_creep
-  tracktrain fmu pack my_creep/my_creep.py --out fmus"""
-)
-@click.argument("project", type=click.Path(path_type=Path))
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    default=Path(),
-    metavar="DIR",
-    help="Folder to write to.  [default: here]",
-)
-def pack(project: Path, out: Path) -> None:
-    """Make an FMU of a model in plain Python: of a file, or of the folder of the same name.
-
-    The model is tried out first: what its ports, its state and its feedthrough promise has to hold.
-    `tracktrain new` starts such a model.
-    """
-    from fmus.export.python import pack as pack_model
-
-    path = pack_model(project, writable(out))
-    click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
 
 
 def _console() -> Console:

@@ -50,10 +50,16 @@ from fmpy import simulate_fmu
 result = simulate_fmu("{name}.fmu", stop_time=1.0, output_interval=1e-3)
 ```
 
-Any importer of FMI can use it: it needs nothing of the machine but its C library, and its sources
-can be compiled where no library is given (`sources/buildDescription.xml`). All values are SI; an
+{needs} All values are SI; an
 input that is not connected keeps its start value.
 """
+
+NATIVE_NEEDS = """Any importer of FMI can use it: it needs nothing of the machine but its C library,
+and its sources can be compiled where no library is given (`sources/buildDescription.xml`)."""
+
+PYTHON_NEEDS = """Any importer of FMI 2.0 can use it where Python is: `externalDependencies.txt`
+says which, and with what packages. Its sources are in the archive's folder `resources`, to be read
+and changed."""
 
 CAPABILITIES = {
     "modelIdentifier": "name of the library",
@@ -104,13 +110,13 @@ def documentation(
         "Terminals": _terminals(block) if isinstance(block, Block) else "",
         "Coupling": _coupling(block),
         "What it can do": _capabilities(description) if description else "",
-        "Use": _markdown(USE.format(name=block.name)),
+        "Use": _use(block, description or ""),
     }
     told = {title: text for title, text in sections.items() if text}
     links = [f'<a href="#{_anchor(title)}">{title}</a>' for title in told if title]
-    links.append('<a href="licenses/license.txt">Licence</a>')
     drawn = ""
-    if terminals:  # a block of the car, which comes with drawings and reference results
+    if terminals:  # a block of the car, which comes with licence, drawings and reference results
+        links.append('<a href="licenses/license.txt">Licence</a>')
         links.append('<a href="fmi-ls-ref.txt">Reference results</a>')
         drawn = '<figure><img src="diagram.png" alt="Ports and axes of the block"></figure>'
     body = "".join(
@@ -186,6 +192,14 @@ def _coupling(block: Block | Model) -> str:
         rows = [(t.partial, t.input, t.output) for t in block.tangents]
         parts.append(_table(("input", "is the derivative of", "with respect to"), rows))
     return "".join(parts)
+
+
+def _use(block: Block | Model, description: str) -> str:
+    name, needs = block.name, NATIVE_NEEDS
+    slave = ElementTree.fromstring(description).find("CoSimulation") if description else None
+    if slave is not None and slave.get("needsExecutionTool") == "true":
+        name, needs = slave.get("modelIdentifier", name), PYTHON_NEEDS
+    return _markdown(USE.format(name=name, needs=needs))
 
 
 def _capabilities(description: str) -> str:

@@ -13,6 +13,7 @@ from test_fmpy import STEP, STEPS, Ramps
 from tools import need
 
 from fmus.catalogue import fmu_path
+from fmus.export.python import build_python
 from orchestrator import Component, System, simulate
 from tracktrain.hopper import hopper_car
 
@@ -113,6 +114,17 @@ def test_an_engine_and_the_jacobi_master_have_the_same_limit(in_engine, in_orche
     """Without the part that is proportional to the step."""
     one, other = (2.0 * runs[FINER[1]] - runs[FINER[0]] for runs in (in_engine, in_orchestrator))
     assert (differences(one, other)[DYNAMIC] < tolerances.SAME_LIMIT).all()
+
+
+def test_a_python_fmu_runs_there_as_the_native_one_does(engine, tmp_path):
+    """The track, which needs no other FMU to move."""
+    watched = ["track.distance", "track.axle[1].rail_y_left", "track.axle[2].rail_y_right"]
+    native, ours = (
+        run(engine, {"track": path}, [], watched, STEP, 600)
+        for path in (fmu_path("track"), build_python("track", tmp_path))
+    )
+    assert (np.abs(native).max(0) > 1e-6).all()
+    assert (np.abs(ours - native) <= tolerances.PARITY * np.abs(native).max(0)).all()
 
 
 def stepped_by_hand(

@@ -26,7 +26,7 @@ def build_python(name: str, out: Path) -> Path:
     module = f"fmus.{name}"
     for needed in ("fmus.slave", "fmus.twin", module):
         sources.add(needed)
-    sources.add_data(FMUS / name, f"fmus/{name}")
+    sources.add_data(FMUS / name, f"fmus/{name}", "*")
     recipe = Recipe(
         f"{name}_python",
         sources,

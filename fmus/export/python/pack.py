@@ -51,7 +51,7 @@ def pack(project: Path, out: Path) -> Path:
         head = {key: text for key, text in said.items() if text}
         head["generationTool"] = f"tracktrain {VERSION}"
         description = described(one, start, NO_GUID, head, [recipe.interface], now, at_start)
-        page = documentation(one, None, start, file.with_name("README.md"))
+        page = documentation(one, None, start, file.with_name("README.md"), description)
     out.mkdir(parents=True, exist_ok=True)
     return write(out, recipe, description, {"documentation/index.html": page.encode()})
 

@@ -50,9 +50,9 @@ class Sources:
             else:
                 self._add_file(name)
 
-    def add_data(self, folder: Path, place: str) -> None:
+    def add_data(self, folder: Path, place: str, pattern: str = "**/*") -> None:
         """Take the data and the documentation of a folder."""
-        for path in sorted(folder.rglob("*")):
+        for path in sorted(folder.glob(pattern)):
             if path.suffix in DATA:
                 self.files[f"{place}/{path.relative_to(folder).as_posix()}"] = path.read_bytes()
 

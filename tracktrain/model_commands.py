@@ -1,4 +1,4 @@
-"""The command `tracktrain new`: a small project for a model of one's own."""
+"""A model of one's own: `tracktrain new` starts it, `tracktrain fmu pack` makes an FMU of it."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from .errors import TracktrainError
 from .failures import clear_errors
 from .hopper import BLOCK_OF
 from .options import Name
+from .terminal import writable
 
 BLOCKS = tuple(dict.fromkeys(BLOCK_OF.values()))
 PLACEHOLDER = "my_model"
@@ -46,6 +47,32 @@ def new(block: str, name: str, out: Path) -> None:
             f"\nnext: tracktrain fmu pack {project}, then "
             f"tracktrain run --swap {_instance(block)}={name}.fmu"
         )
+
+
+@click.command(
+    epilog="""\b
+Examples:
+  tracktrain fmu pack my_creep
+  tracktrain fmu pack my_creep/my_creep.py --out fmus"""
+)
+@click.argument("project", type=click.Path(path_type=Path))
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path(),
+    metavar="DIR",
+    help="Folder to write to.  [default: here]",
+)
+def pack(project: Path, out: Path) -> None:
+    """Make an FMU of a model in plain Python: of a file, or of the folder of the same name.
+
+    The model is tried out first: what its ports, its state and its feedthrough promise has to hold.
+    `tracktrain new` starts such a model.
+    """
+    from fmus.export.python import pack as pack_model
+
+    path = pack_model(project, writable(out))
+    click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
 
 
 def write_project(block: str, name: str, out: Path) -> Path:
