@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import posixpath
 import re
-import subprocess
 import zipfile
 
-import fmpy
 import pytest
 from archive_checks import findings
 from fmpy import read_model_description
@@ -15,8 +13,7 @@ from functions import FUNCTIONS
 
 from fmus import BLOCKS
 from fmus.catalogue import fmu_path
-from fmus.export import build
-from fmus.export.code import NATIVE, generated_functions
+from fmus.export.code import generated_functions
 from fmus.export.units import base_exponents
 
 
@@ -28,14 +25,6 @@ def test_every_function_of_the_standard_is_exported(instantiate, block_name, fmi
     library = instantiate(block_name).slave.dll
     missing = [name for name in FUNCTIONS[fmi] if not hasattr(library, name)]
     assert missing == []
-
-
-def test_two_builds_have_the_same_bytes(tmp_path):
-    folders = [tmp_path / "first", tmp_path / "second"]
-    first, second = (build(folder, ["wheelrail"]) for folder in folders)
-    assert set(first) == {"wheelrail", "wheelrail_fmi3"}
-    for name in first:
-        assert first[name].read_bytes() == second[name].read_bytes()
 
 
 def test_archive_holds_documentation_licence_and_sources(block_name, fmi):
@@ -88,40 +77,6 @@ def test_unit_exponents_follow_from_the_units_name():
 def test_a_unit_that_is_not_si_is_refused():
     with pytest.raises(ValueError, match="'lbf' is not SI"):
         base_exponents("lbf")
-
-
-def test_importers_that_compile_the_sources_get_the_same_block(tmp_path, block_name, fmi):
-    """`fmpy compile` builds the archive's own sources with the host's compiler."""
-    import shutil
-
-    if not shutil.which("cc"):
-        pytest.skip("no host compiler")
-    folder = fmpy.extract(str(fmu_path(block_name, fmi)), str(tmp_path))
-    (build,) = read_model_description(str(fmu_path(block_name, fmi))).buildConfigurations
-    (files,) = build.sourceFileSets
-    sources = [f"sources/{name}" for name in files.sourceFiles]
-    done = subprocess.run(
-        [
-            "cc",
-            "-std=c11",
-            "-Wall",
-            "-Wextra",
-            "-Wno-unused-parameter",
-            "-Wno-unused-function",
-            "-fPIC",
-            "-shared",
-            *sources,
-            "-o",
-            "block.so",
-            "-lm",
-        ],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    assert not any(f"{path.name}:" in done.stderr for path in NATIVE.glob("*.c")), done.stderr
 
 
 def test_generated_functions_are_small_enough_to_read(block_name):

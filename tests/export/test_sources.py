@@ -10,14 +10,15 @@ from xml.etree import ElementTree
 
 import fmpy
 import numpy as np
+from fmi3_instance import INSTANCE
 from fmpy.build import build_platform_binary
 from fmpy.model_description import read_build_description
-from fmu_instance import FmuInstance
 from tools import need
 
 from fmus.catalogue import fmu_path
 
 STEPS = 200
+FOLDER = {"2.0": fmpy.platform, "3.0": fmpy.platform_tuple}
 
 
 def source_files(fmu: Path) -> list[str]:
@@ -39,9 +40,9 @@ def packed(folder: Path) -> Path:
     return Path(archive).rename(folder.parent / "compiled.fmu")
 
 
-def outputs(fmu: Path) -> np.ndarray:
+def outputs(fmu: Path, fmi: str) -> np.ndarray:
     """Outputs [step, output] while the inputs change at random."""
-    instance = FmuInstance(fmu).initialize()
+    instance = INSTANCE[fmi](fmu).initialize()
     rng = np.random.default_rng(1980)
     sizes = {"m": 2e-3, "rad": 1e-3, "m/s": 0.05, "rad/s": 0.02, "N": 1e4, "N.m": 5e3}
     inputs = [v for v in instance.variables.values() if v.causality == "input"]
@@ -67,11 +68,11 @@ def cc(*arguments: object, folder: Path) -> str:
     return done.stderr
 
 
-def test_the_build_description_lists_all_c_files_once(block_name):
-    with zipfile.ZipFile(fmu_path(block_name)) as archive:
+def test_the_build_description_lists_all_c_files_once(block_name, fmi):
+    with zipfile.ZipFile(fmu_path(block_name, fmi)) as archive:
         there = {name for name in archive.namelist() if name.startswith("sources/")}
         description = ElementTree.fromstring(archive.read("modelDescription.xml"))
-    listed = source_files(fmu_path(block_name))
+    listed = source_files(fmu_path(block_name, fmi))
     assert sorted(f"sources/{name}" for name in listed) == sorted(
         name for name in there if name.endswith(".c")
     )
@@ -79,19 +80,19 @@ def test_the_build_description_lists_all_c_files_once(block_name):
         assert sorted(f.get("name", "") for f in files) == sorted(listed)
 
 
-def test_fmpy_compile_gives_the_same_bits(block_name, tmp_path):
+def test_fmpy_compile_gives_the_same_bits(block_name, fmi, tmp_path):
     need(shutil.which("cc") and shutil.which("cmake"), "cmake and a C compiler")
-    folder = unpacked(fmu_path(block_name), tmp_path / "fmu")
+    folder = unpacked(fmu_path(block_name, fmi), tmp_path / "fmu")
     build_platform_binary(folder)
-    assert np.array_equal(outputs(packed(folder)), outputs(fmu_path(block_name)))
+    assert np.array_equal(outputs(packed(folder), fmi), outputs(fmu_path(block_name, fmi), fmi))
 
 
-def test_the_hosts_compiler_finds_nothing_and_gives_the_same_bits(block_name, tmp_path):
+def test_the_hosts_compiler_finds_nothing_and_gives_the_same_bits(block_name, fmi, tmp_path):
     """As C99, which is less than the C11 that they are built as."""
-    folder = unpacked(fmu_path(block_name), tmp_path / "fmu")
-    library = folder / "binaries" / fmpy.platform / f"{block_name}{fmpy.sharedLibraryExtension}"
+    folder = unpacked(fmu_path(block_name, fmi), tmp_path / "fmu")
+    library = folder / "binaries" / FOLDER[fmi] / f"{block_name}{fmpy.sharedLibraryExtension}"
     library.parent.mkdir(parents=True)
     flags = ("-std=c99", "-O1", "-Wall", "-Wextra", "-fPIC", "-shared")
     said = cc(*flags, *source_files(folder), "-o", library, "-lm", folder=folder / "sources")
     assert said == ""
-    assert np.array_equal(outputs(packed(folder)), outputs(fmu_path(block_name)))
+    assert np.array_equal(outputs(packed(folder), fmi), outputs(fmu_path(block_name, fmi), fmi))

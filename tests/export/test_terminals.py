@@ -87,16 +87,16 @@ def test_terminals_alone_wire_the_whole_car():
     assert wired == {(c.source, c.target) for c in car.connections}
 
 
-def test_the_file_follows_the_standards_schema(block_name):
-    with zipfile.ZipFile(fmu_path(block_name)) as archive:
+def test_the_file_follows_the_standards_schema(block_name, fmi):
+    with zipfile.ZipFile(fmu_path(block_name, fmi)) as archive:
         text = archive.read("terminalsAndIcons/terminalsAndIcons.xml")
     schema = etree.XMLSchema(file=str(SCHEMA))
     assert schema.validate(etree.fromstring(text)), schema.error_log
 
 
-def test_every_member_is_a_variable_and_named_once(block_name):
-    names = causalities(fmu_path(block_name))
-    for terminal in terminals(fmu_path(block_name)).values():
+def test_every_member_is_a_variable_and_named_once(block_name, fmi):
+    names = causalities(fmu_path(block_name, fmi))
+    for terminal in terminals(fmu_path(block_name, fmi)).values():
         listed = [e.get("memberName") for e in terminal.iterfind("TerminalMemberVariable")]
         assert listed and len(set(listed)) == len(listed)
         assert {said["variableName"] for said in members(terminal).values()} <= names.keys()
