@@ -124,7 +124,7 @@ class Description:
 
     failure_categories: those of the standard's log categories for what goes wrong that it has.
     arrays: shapes of those that were taken apart into elements. aliases: other names of variables.
-    has_events: it has the event mode of FMI 3.0.
+    has_events: it has the event mode of FMI 3.0. returns_early: it may end a step early.
     """
 
     label: str
@@ -144,6 +144,7 @@ class Description:
     arrays: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     aliases: Mapping[str, str] = field(default_factory=dict)
     has_events: bool = False
+    returns_early: bool = False
 
     def find(self, name: str) -> Variable | None:
         """The variable of a name, which may be an alias."""
@@ -293,6 +294,7 @@ def survey(contents: Contents) -> Description:
             v.name: v.alias.name for v in contents.model.modelVariables if v.alias is not None
         },
         has_events=_is_true(said, "hasEventMode"),
+        returns_early=_is_true(said, "mightReturnEarlyFromDoStep"),
     )
 
 

@@ -58,7 +58,7 @@ class Fmi3Slave(FmuSlave):
             False,
             False,
             description.has_events,
-            True,
+            description.returns_early,
             required,
             len(moving),
             self.lanes.address,

@@ -190,3 +190,7 @@ measured."""
 
 TWIN_ELEMENT = 1e-4
 """The same of the elements' forces, which chatter with the stiff centre plate: up to 1e-5."""
+
+VERSIONS_OF_FMI = 1e-12
+"""Of a variable's peak, over 1 s: inputs on a line come from a rate or from values along it, which
+differ by rounding."""

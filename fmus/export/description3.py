@@ -90,6 +90,8 @@ def _variables(root: Element, block: Block, listed: Iterable[ModelVariable]) -> 
         attributes = description.identity(v) | description.values(v)
         if v.derivative_of:
             attributes["derivative"] = str(reference[v.derivative_of])
+        if v.causality == "input" and attributes["variability"] == "continuous":
+            attributes["intermediateUpdate"] = "true"  # they may be set within a step
         element = SubElement(model, TYPE[v.kind], attributes)
         for size in v.shape:
             SubElement(element, "Dimension", start=str(size))
