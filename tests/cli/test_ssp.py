@@ -13,6 +13,7 @@ from click.testing import CliRunner
 from fmus.catalogue import fmu_path
 from tracktrain import cli
 from tracktrain.cli import main
+from tracktrain.hopper import BLOCK_OF
 
 SHAPE = (
     *("--car", "empty", "--speed", "80 ft/s", "--track", "fra4", "--seed", "3"),
@@ -70,6 +71,20 @@ def test_swapped_fmu_goes_along(tmp_path):
     assert tracktrain("export", str(path), "--swap", f"wheelset_12={own}")[0] == 0
     with zipfile.ZipFile(path) as opened:
         assert "resources/my_wheelset.fmu" in opened.namelist()
+
+
+def test_car_of_fmi_3_blocks_goes_through_ssp_2_to_the_last_bit(tmp_path):
+    swaps = [f"{name}={fmu_path(block, '3.0')}" for name, block in BLOCK_OF.items()]
+    shape = [*(part for swap in swaps for part in ("--swap", swap)), "--duration", "50ms"]
+    path, direct, from_file = tmp_path / "three.ssp", tmp_path / "direct", tmp_path / "file"
+    assert tracktrain("export", str(path), *shape)[0] == 0
+    with zipfile.ZipFile(path) as opened:
+        written = opened.read("SystemStructure.ssd").decode()
+    assert '<ssd:SystemStructureDescription version="2.0"' in written
+    assert '<ssc:Float64 unit="N" />' in written
+    assert tracktrain("run", str(path), "--quiet", "--out", str(from_file)) == (0, "")
+    assert tracktrain("run", *shape, "--quiet", "--out", str(direct)) == (0, "")
+    assert results(from_file).equals(results(direct))
 
 
 def test_options_change_what_the_file_says(archive, tmp_path):
