@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from math import prod
 from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element
 
@@ -86,14 +87,19 @@ def extras(contents: Contents) -> Extras:
 
 
 def _sizes(contents: Contents) -> tuple[int, int]:
-    """Numbers of continuous states and event indicators; FMI 2 and 3 list the derivatives."""
+    """Numbers of continuous states and event indicators, every element of an array counted."""
     root = contents.root
-    listed = root.findall("ModelStructure/Derivatives/Unknown")
-    listed += root.findall("ModelStructure/ContinuousStateDerivative")
-    indicators = len(root.findall("ModelStructure/EventIndicator"))
+    elements = {v.valueReference: prod(v.shape or ()) for v in contents.model.modelVariables}
+
+    def counted(tag: str) -> int:
+        listed = root.iterfind(f"ModelStructure/{tag}")
+        return sum(elements.get(_number(e.get("valueReference")), 1) for e in listed)
+
+    states = counted("ContinuousStateDerivative")
+    states = states or len(root.findall("ModelStructure/Derivatives/Unknown"))
     return (
-        len(listed) or _number(root.get("numberOfContinuousStates")),
-        indicators or _number(root.get("numberOfEventIndicators")),
+        states or _number(root.get("numberOfContinuousStates")),
+        counted("EventIndicator") or _number(root.get("numberOfEventIndicators")),
     )
 
 

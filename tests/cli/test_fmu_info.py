@@ -306,3 +306,5 @@ def test_states_and_event_indicators_are_counted_in_every_version(tmp_path: Path
     text = FMI_3.replace("</ModelStructure>", f"{listed}</ModelStructure>")
     new = data(archive(tmp_path / "new.fmu", text))
     assert (new["states"], new["event_indicators"]) == (1, 1)
+    arrays = data(fmu_path("truck", "3.0"))
+    assert (arrays["states"], arrays["event_indicators"]) == (12, 12)
