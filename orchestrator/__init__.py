@@ -13,6 +13,7 @@ from .checkpoint import read_checkpoint
 from .description import Description, Tangent, Variable, describe
 from .errors import OrchestratorError
 from .linear import LinearModel, linearise
+from .log import Log
 from .mock import Mock
 from .monolith import monolith
 from .port_map import Port, PortMap, read_port_map
@@ -29,6 +30,7 @@ __all__ = [
     "Experiment",
     "Linear",
     "LinearModel",
+    "Log",
     "Mock",
     "OrchestratorError",
     "Port",

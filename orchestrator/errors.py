@@ -46,6 +46,10 @@ class ResultsError(OrchestratorError):
     """Results cannot be selected or written."""
 
 
+class LogError(OrchestratorError):
+    """A log cannot be kept as asked for."""
+
+
 class CheckpointError(OrchestratorError):
     """A checkpoint cannot be written, or does not fit the run that is to go on from it."""
 

@@ -15,6 +15,7 @@ from .checkpoint import Checkpoint, Checkpoints, read_checkpoint, refuse_without
 from .errors import CheckpointError, CouplingError, choices
 from .grid import make_grid
 from .initialize import settle
+from .log import Log
 from .mock import Mock, MockSlave
 from .plan import Plan, make_plan, start_values
 from .results import Run, Statistics, provenance
@@ -64,6 +65,7 @@ def simulate(
     [bytes] of rows are held. Without it all rows stay in memory.
     compiled: False runs the same macro loop as plain Python.
     measure: estimate the share of time inside the FMUs. command: for the results' provenance.
+    logger: a `Log`, or a function; called with what FMUs say.
     isolate: instances that run in processes of their own, where a crash, or a call that takes more
     than `timeout` [s] of wall time, ends the run and not the program.
     checkpoint: simulated time [s] between two checkpoints in `out`, from which `resume` goes on.
@@ -146,6 +148,8 @@ def simulate(
             texts.resume(grid.time(resumed.rows - 1))
         elif checkpoints is not None:
             checkpoints.write(stepper.rows_done)
+        if isinstance(logger, Log):
+            logger.clock = stepper.now
         wall_load, first = time.perf_counter() - begin, stepper.rows_done
         message = stepper.run(progress, texts, checkpoints)
         if recording.file is not None:
@@ -256,4 +260,6 @@ def _load(
         slaves.append(slave)
     for slave in slaves:
         slave.ready()
+        if isinstance(logger, Log) and logger.debug:
+            slave.debug(logger.categories)
     return slaves

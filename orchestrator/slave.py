@@ -22,12 +22,13 @@ from numpy.typing import NDArray
 from .archive import open_archive
 from .description import Description, Variable
 from .errors import SlaveError
+from .log import Log
 from .system import Value
 
 if TYPE_CHECKING:
     from .lanes import Lanes
 
-Logger = Callable[[str, str, str], None]
+Logger = Callable[[str, str, str], None] | Log
 """Called with instance, status and message of what an FMU logs."""
 
 
@@ -142,12 +143,18 @@ class Slave(ABC):
         last = self.complaint() or (self.messages[-1] if self.messages else "")
         return f": {last}" if last else ""
 
-    def heard(self, status: int, text: str) -> None:
-        """Keep what the FMU logged, and pass it on."""
+    def debug(self, categories: Sequence[str]) -> None:
+        """Have the FMU log these categories, or all; raises SlaveError."""
+        return
+
+    def heard(self, status: int, text: str, time: float | None = None) -> None:
+        """Keep what the FMU logged, at a time [s] that others need not know, and pass it on."""
         if status != Status.OK:
             self.messages.append(text)
             del self.messages[:-50]
-        if self._logger is not None:
+        if isinstance(self._logger, Log):
+            self._logger.write(self.name, status, text, time)
+        elif self._logger is not None:
             self._logger(self.name, Status(status).name.lower(), text)
 
     def _reals(
@@ -183,6 +190,10 @@ class FmuSlave(Slave):
         except Exception:  # an instance that failed may refuse; it is freed all the same
             pass
         self._fmu.freeInstance()
+
+    def debug(self, categories: Sequence[str]) -> None:
+        what = f"refused the log categories {', '.join(categories) or '(all)'}"
+        self._call(what, self._fmu.setDebugLogging, True, list(categories))
 
     def state(self) -> bytes:
         own = self.lanes.state() if self.lanes else b""

@@ -52,6 +52,10 @@ class Stepper:
         """Number of rows of the record that are complete."""
         return int(self._report[0])
 
+    def now(self) -> float:
+        """Time [s] of the last communication point that is complete."""
+        return self._time(self.rows_done - 1)
+
     def resume(self, rows: int) -> None:
         """Take so many rows for complete."""
         self._report[0] = rows

@@ -20,7 +20,7 @@ from .failures import Stopped, clear_errors
 from .fmu_command import fmu
 from .model_commands import new, pack
 from .options import Name
-from .run_options import RESUMED, isolated, run_options, survival
+from .run_options import RESUMED, isolated, logged, run_options, survival
 from .studies.command import study
 from .terminal import writable
 
@@ -168,6 +168,8 @@ def run(
     csv: bool,
     resume: Path | None,
     isolate: tuple[str, ...],
+    log: Path | None,
+    log_level: str,
     **shape: Any,
 ) -> None:
     """Run the 80-ton hopper car, or the system of FILE; write results.nc and pictures.
@@ -208,9 +210,12 @@ def run(
             )
         experiment = system.experiment
         span = (experiment.stop or 0.0) - (experiment.start or 0.0)
-        with _progress(span, quiet) as (stage, progress):
+        with (
+            _progress(span, quiet) as (stage, progress),
+            logged(ctx, log, log_level) as logger,
+        ):
             stage("running")
-            result = start(progress=progress)
+            result = start(progress=progress, logger=logger)
             stage("writing")
             lost = _write(result, folder, csv)
         if result.completed:

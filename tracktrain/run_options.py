@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+from click.core import ParameterSource
 
 from .errors import TracktrainError, choices
-from .options import Quantity
+from .options import Name, Quantity
 
 if TYPE_CHECKING:
-    from orchestrator import Mock, System
+    from orchestrator import Log, Mock, System
 
-RESUMED = ("resume", "csv", "quiet")
+RESUMED = ("resume", "csv", "quiet", "log", "log_level")
 """Options that a run which goes on may still have."""
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
-_OPTIONS = (
+_OPTIONS: tuple[Callable[[Any], Any], ...] = (
     click.option(
         "--record",
         multiple=True,
@@ -66,6 +69,19 @@ _OPTIONS = (
         help="Longest wall time that a call of an isolated FMU may take.",
     ),
     click.option(
+        "--log",
+        type=click.Path(path_type=Path, dir_okay=False),
+        metavar="FILE",
+        help="Write what the FMUs say to FILE, each message at its simulated time.",
+    ),
+    click.option(
+        "--log-level",
+        type=Name("log level", ("all", "warning", "error")),
+        default="warning",
+        show_default=True,
+        help="Which messages; all has the FMUs say what they can. Without --log they are printed.",
+    ),
+    click.option(
         "--resume",
         type=click.Path(path_type=Path),
         metavar="DIR",
@@ -87,6 +103,19 @@ def survival(options: dict[str, Any]) -> dict[str, Any]:
         name: options.pop(name) for name in ("record", "every", "memory", "checkpoint", "timeout")
     }
     return {**taken, "record": taken["record"] or None}
+
+
+@contextmanager
+def logged(ctx: click.Context, file: Path | None, level: str) -> Iterator[Log | None]:
+    """The log that --log and --log-level ask for; none where neither is given."""
+    from orchestrator import Log
+
+    asked = ctx.get_parameter_source("log_level") is ParameterSource.COMMANDLINE
+    if file is None and not asked:
+        yield None
+        return
+    with Log(file or sys.stderr, level) as log:
+        yield log
 
 
 def isolated(asked: Sequence[str], system: System) -> tuple[str, ...]:

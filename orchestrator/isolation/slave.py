@@ -120,6 +120,9 @@ class IsolatedSlave(Slave):
         self._signals.close()
         self._control.close()
 
+    def debug(self, categories: Sequence[str]) -> None:
+        self._do("choosing what to log", "debug", categories)
+
     def get_texts(self, variables: Sequence[Variable]) -> list[str]:
         return self._do("reading texts", "get_texts", variables)[0]
 
@@ -265,7 +268,7 @@ class IsolatedSlave(Slave):
                         *lines, rest = (rest + data).split(b"\n")
                         for line in lines:
                             said = json.loads(line)
-                            self.heard(said["status"], said["text"])
+                            self.heard(said["status"], said["text"], said["time"])
                             self._heard_lines += 1
         os.close(log)
 

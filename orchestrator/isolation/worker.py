@@ -36,6 +36,7 @@ class Worker:
     def __init__(self, signals: socket.socket, control: Connection, log: int) -> None:
         self._signals, self._control, self._log = signals, control, log
         self._slave: Any = None
+        self._time: float | None = None
         self._slots = memoryview(bytearray(8 * b.HEAD)).cast("q")
 
     def serve(self) -> None:
@@ -91,7 +92,8 @@ class Worker:
         return {function: self._slave.called(function) for function in b.CALLED.values()}
 
     def _heard(self, status: int, text: str) -> None:
-        line = json.dumps({"status": status, "text": text[:LONGEST]}) + "\n"
+        said = {"status": status, "text": text[:LONGEST], "time": self._time}
+        line = json.dumps(said) + "\n"
         os.write(self._log, line.encode())
         self._slots[b.LINES] += 1
 
@@ -113,8 +115,8 @@ class Worker:
                 status = call(instance, first, count, result)
                 place += 3 + words
             elif code == b.DO_STEP:
-                time, step = self._numbers[place + 3 : place + 5]
-                status = call(instance, time, step, count)
+                self._time, step = self._numbers[place + 3 : place + 5]
+                status = call(instance, self._time, step, count)
                 place += 5
             elif code == b.SET_RATES:
                 status = call(instance, first, count, first + 8 * words, first + 16 * words)

@@ -84,3 +84,32 @@ def test_foreign_fmus_alone_are_isolated(tmp_path: Path, monkeypatch: pytest.Mon
     wrong = run("--duration", "20ms", "--isolate", "wheelset_1", "--out", str(tmp_path))
     assert wrong.exit_code == 2
     assert "there is no instance 'wheelset_1' to isolate; did you mean wheelset_11" in wrong.stderr
+
+
+@pytest.mark.skipif(os.name != "posix", reason="limits as POSIX has them")
+def test_full_disk_ends_the_run_with_what_fits(tmp_path: Path) -> None:
+    import resource
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (2_000_000, 2_000_000))
+
+    command = [sys.executable, "-m", "tracktrain", "run", "--out", str(tmp_path)]
+    done = subprocess.run(command, preexec_fn=limit, capture_output=True, text=True)
+    assert done.returncode == 1
+    path = tmp_path / "results.nc"
+    said = " ".join(done.stderr.split())
+    assert f"'{path}' cannot be written any further: file too large; stopped at t = " in said
+    assert f"what was computed until then is in {tmp_path}" in said
+    found = dataset(tmp_path)
+    assert 1000 < found.sizes["time"] < 2_000_000 / 8 / 200
+    assert np.isfinite(found["carbody.cg.y"]).all()
+
+
+def test_log_is_written_where_it_is_asked_for(tmp_path: Path) -> None:
+    path = tmp_path / "run.log"
+    options = ("--log", str(path), "--log-level", "all", "--out", str(tmp_path))
+    assert run("--duration", "20ms", "--quiet", *options).exit_code == 0
+    assert path.exists()
+    wrong = run("--duration", "20ms", "--log", str(tmp_path / "no" / "log"), "--out", str(tmp_path))
+    assert wrong.exit_code == 2
+    assert "cannot be written to: no such file or directory; name another file" in wrong.stderr
