@@ -22,8 +22,8 @@ def instances() -> Iterator[Callable[..., Any]]:
     """Instantiate a block's FMU by name and version; all are freed when the test ends."""
     open_instances: list[Any] = []
 
-    def make(block: str, fmi: str, name: str = "instance") -> Any:
-        open_instances.append(INSTANCE[fmi](fmu_path(block, fmi), name))
+    def make(block: str, fmi: str, name: str = "instance", **kind: bool) -> Any:
+        open_instances.append(INSTANCE[fmi](fmu_path(block, fmi), name, **kind))
         return open_instances[-1]
 
     yield make
@@ -40,4 +40,4 @@ def instantiate(instances: Callable[..., Any], fmi: str) -> Callable[..., Any]:
 @pytest.fixture
 def instantiate2(instances: Callable[..., Any]) -> Callable[..., Any]:
     """The same for what FMI 2.0 alone has."""
-    return lambda block, name="instance": instances(block, "2.0", name)
+    return lambda block, name="instance", **kind: instances(block, "2.0", name, **kind)

@@ -52,10 +52,13 @@ class AnyCalls(RuleBasedStateMachine):
 
     instance: ClassVar[FmuInstance]
     fresh: ClassVar[np.ndarray]
+    run_phase: ClassVar[str] = "running"
+    """That in which a run begins."""
+    started: ClassVar[set[str]] = {"running"}
 
     def __init__(self) -> None:
         super().__init__()
-        self.slave = self.instance.slave
+        self.slave, self.stepped = self.instance.slave, self.instance.stepped
         self.saved: list[tuple[Any, str, list[float] | None]] = []
         self.variables = {v.valueReference: v for v in self.instance.variables.values()}
         self.legal_references = sorted(self.variables)
@@ -79,7 +82,10 @@ class AnyCalls(RuleBasedStateMachine):
         for state, _, _ in self.saved:
             self.slave.freeFMUstate(state)
         self.slave.reset()
-        assert np.array_equal(standard_run(self.instance), self.fresh)
+        assert np.array_equal(self.standard_run(), self.fresh)
+
+    def standard_run(self) -> np.ndarray:
+        return standard_run(self.instance)
 
     def call(self, function: Any, *arguments: Any, refused: bool | None = None) -> Any:
         """The call's result, None for an error; refused: what it must be, None for either."""
@@ -108,7 +114,7 @@ class AnyCalls(RuleBasedStateMachine):
             low, high = 1, len(variable.declaredType.items)
         elif variable.type == "Boolean":
             low, high = 0, 1
-        fixed = variable.variability == "fixed" and self.phase == "running"
+        fixed = variable.variability == "fixed" and self.phase in self.started
         in_range = math.isfinite(value) and low <= value <= high
         return variable.type not in types or fixed or not in_range
 
@@ -128,11 +134,11 @@ class AnyCalls(RuleBasedStateMachine):
     def exit_initialization(self) -> None:
         refused = True if self.phase != "initializing" else None
         if self.call(self.slave.exitInitializationMode, refused=refused) is not None:
-            self.phase = "running"
+            self.phase = self.run_phase
 
     @rule()
     def terminate(self) -> None:
-        if self.call(self.slave.terminate, refused=self.phase != "running") is not None:
+        if self.call(self.slave.terminate, refused=self.phase not in self.started) is not None:
             self.phase = "terminated"
 
     @rule()
@@ -140,7 +146,7 @@ class AnyCalls(RuleBasedStateMachine):
         self.call(self.slave.reset, refused=False)
         self.phase, self.start, self.stop = "instantiated", 0.0, math.inf
 
-    @precondition(lambda self: self.phase != "running")
+    @precondition(lambda self: self.phase not in self.started)
     @rule()
     def start_over(self) -> None:
         self.reset()
@@ -150,7 +156,7 @@ class AnyCalls(RuleBasedStateMachine):
     @precondition(lambda self: self.phase == "running")
     @rule(size=st.floats(0.0, 0.02))
     def go_on(self, size: float) -> None:
-        self.call(self.slave.doStep, 0.0, size)
+        self.call(self.stepped.doStep, 0.0, size)
 
     @rule(data=st.data())
     def set_reals(self, data: st.DataObject) -> None:
@@ -194,13 +200,14 @@ class AnyCalls(RuleBasedStateMachine):
         rates = [data.draw(NUMBERS) for _ in references]
         refused = self.phase == "terminated" or any(
             order != 1
+            or self.run_phase != "running"
             or r not in self.variables
             or self.variables[r].causality != "input"
             or not math.isfinite(rate)
             for r, rate in zip(references, rates, strict=True)
         )
         orders = [order] * len(references)
-        self.call(self.slave.setRealInputDerivatives, references, orders, rates, refused=refused)
+        self.call(self.stepped.setRealInputDerivatives, references, orders, rates, refused=refused)
 
     @rule(data=st.data())
     def get_directional_derivative(self, data: st.DataObject) -> None:
@@ -215,7 +222,7 @@ class AnyCalls(RuleBasedStateMachine):
         end = time + size
         too_far = end > self.stop + 1e-3 * max(size, 0.0)
         refused = self.phase != "running" or not (size >= 0.0 and math.isfinite(end)) or too_far
-        self.call(self.slave.doStep, time, size, refused=True if refused else None)
+        self.call(self.stepped.doStep, time, size, refused=True if refused else None)
 
     @rule()
     def save(self) -> None:
@@ -248,9 +255,9 @@ class AnyCalls(RuleBasedStateMachine):
 
     @rule()
     def call_what_is_not_offered(self) -> None:
-        self.call(self.slave.cancelStep, refused=True)
+        self.call(self.stepped.cancelStep, refused=True)
         self.call(self.slave.getString, [0], refused=True)
-        self.call(self.slave.getRealOutputDerivatives, [0], [1], refused=True)
+        self.call(self.stepped.getRealOutputDerivatives, [0], [1], refused=True)
         self.call(self.slave.setFMUstate, ctypes.c_void_p(), refused=True)
 
     def everything(self) -> list[str] | None:

@@ -61,10 +61,10 @@ def test_carbody_integrated_is_its_exact_step():
         assert result[name][-1] == pytest.approx(twin.get(name), rel=tolerances.EXCHANGE), name
 
 
-def test_distance_is_speed_times_time_and_brings_the_rails_along(instantiate):
+def test_distance_is_speed_times_time_and_brings_the_rails_along(instantiate2):
     result = integrate("track", 2.0, start_values={"speed": 31.0}, output_interval=0.5)
     assert result["distance"] == pytest.approx(31.0 * result["time"], rel=tolerances.EXCHANGE)
-    stepped = instantiate("track").initialize()
+    stepped = instantiate2("track").initialize()
     stepped.set({"speed": 31.0})
     stepped.slave.doStep(0.0, 2.0)
     for name in ("axle[1].rail_y_left", "axle[4].rail_y_right"):
@@ -153,14 +153,14 @@ def test_a_slider_gives_way_when_its_strain_is_the_reach():
     assert end["slip[6]"] == pytest.approx(end["q[4]"] - reach, rel=tolerances.EXCHANGE)
 
 
-def test_a_truck_that_slips_moves_as_under_micro_steps(instantiate):
+def test_a_truck_that_slips_moves_as_under_micro_steps(instantiate2):
     kick = {"initial.warp_rate": 0.4, "initial.bolster_lateral_rate": 0.5, "initial.yaw_rate": 0.1}
     restoring = {"car.y": 1e-3}
     duration, names = 0.3, [f"{kind}[{i}]" for kind in ("q", "qd") for i in (1, 2, 4, 5)]
     result = integrate(
         "truck", duration, start_values=kick | restoring, output=names, output_interval=1e-3
     )
-    truck = instantiate("truck")
+    truck = instantiate2("truck")
     truck.set(restoring)
     truck.initialize(kick | {"micro_step": 5e-6})
     rows = [truck.get(*names)]
@@ -195,9 +195,9 @@ def test_a_flange_is_an_event_at_its_clearance():
     assert instant == pytest.approx(clearance / speed, abs=tolerances.EVENT_INSTANT)
 
 
-def exchange(instantiate, block_name, name="instance"):
+def exchange(instantiate2, block_name, name="instance"):
     """An instance in event mode, after some motion of states and inputs."""
-    instance = instantiate(block_name, name, model_exchange=True)
+    instance = instantiate2(block_name, name, model_exchange=True)
     instance.initialize()
     return instance
 
@@ -227,9 +227,9 @@ def march(instance, steps, seed, step=1e-4):
 
 
 def test_directional_derivatives_agree_with_differences_by_states_and_inputs(
-    instantiate, block_name
+    instantiate2, block_name
 ):
-    instance = exchange(instantiate, block_name)
+    instance = exchange(instantiate2, block_name)
     rng = np.random.default_rng(11)
     march(instance, 5, 1)
     instance.slave.enterContinuousTimeMode()
@@ -257,8 +257,8 @@ def test_directional_derivatives_agree_with_differences_by_states_and_inputs(
         assert np.abs(exact - (high - low) / (2 * nudge)).max() <= 1e-5 * scale + 1e-12, name
 
 
-def test_unknowns_move_only_with_the_states_they_declare(instantiate, block_name):
-    instance = exchange(instantiate, block_name)
+def test_unknowns_move_only_with_the_states_they_declare(instantiate2, block_name):
+    instance = exchange(instantiate2, block_name)
     march(instance, 5, 1)
     instance.slave.enterContinuousTimeMode()
     declared = {
@@ -279,23 +279,23 @@ def test_unknowns_move_only_with_the_states_they_declare(instantiate, block_name
         assert found <= {u for u in unknowns if name in declared[u]}, name
 
 
-def test_derivative_variables_are_the_derivatives(instantiate, block_name):
-    instance = exchange(instantiate, block_name)
+def test_derivative_variables_are_the_derivatives(instantiate2, block_name):
+    instance = exchange(instantiate2, block_name)
     march(instance, 5, 1)
     names = [unknown.variable.name for unknown in instance.description.derivatives]
     assert instance.get(*names) == instance.derivatives()
 
 
-def test_states_are_the_outputs_of_their_names(instantiate, block_name):
-    instance = exchange(instantiate, block_name)
+def test_states_are_the_outputs_of_their_names(instantiate2, block_name):
+    instance = exchange(instantiate2, block_name)
     march(instance, 5, 1)
     names = [unknown.variable.derivative.name for unknown in instance.description.derivatives]
     assert instance.get(*names) == instance.states()
 
 
 @pytest.mark.parametrize("in_bytes", [False, True])
-def test_a_saved_state_brings_back_memory_and_modes(instantiate, block_name, in_bytes):
-    one, other = (exchange(instantiate, block_name, name) for name in ("one", "other"))
+def test_a_saved_state_brings_back_memory_and_modes(instantiate2, block_name, in_bytes):
+    one, other = (exchange(instantiate2, block_name, name) for name in ("one", "other"))
     march(one, 30, 2)
     state = one.slave.getFMUstate()
     expected = march(one, 30, 3)
@@ -307,9 +307,9 @@ def test_a_saved_state_brings_back_memory_and_modes(instantiate, block_name, in_
     assert march(other, 30, 3) == expected
 
 
-def test_a_state_of_co_simulation_does_not_go_on_in_model_exchange(instantiate, block_name):
-    stepped = instantiate(block_name, "stepped").initialize()
-    model = exchange(instantiate, block_name)
+def test_a_state_of_co_simulation_does_not_go_on_in_model_exchange(instantiate2, block_name):
+    stepped = instantiate2(block_name, "stepped").initialize()
+    model = exchange(instantiate2, block_name)
     for one, other, saying in (
         (stepped, model, "a state of co-simulation cannot go on in an instance for model exchange"),
         (model, stepped, "a state of model exchange cannot go on in an instance for co-simulation"),
@@ -326,8 +326,8 @@ def refused(instance, function, *arguments) -> str:
     return instance.messages[-1]
 
 
-def test_each_mode_refuses_the_calls_of_another(instantiate, block_name):
-    instance = instantiate(block_name, model_exchange=True)
+def test_each_mode_refuses_the_calls_of_another(instantiate2, block_name):
+    instance = instantiate2(block_name, model_exchange=True)
     slave = instance.slave
     for call in (instance.derivatives, instance.states, instance.indicators):
         if instance.state_count:
@@ -354,8 +354,8 @@ def test_each_mode_refuses_the_calls_of_another(instantiate, block_name):
     assert "the instance is terminated" in refused(instance, slave.setTime, 0.0)
 
 
-def test_states_of_another_number_or_without_one_are_refused(instantiate):
-    truck = exchange(instantiate, "truck")
+def test_states_of_another_number_or_without_one_are_refused(instantiate2):
+    truck = exchange(instantiate2, "truck")
     truck.slave.enterContinuousTimeMode()
     message = refused(truck, truck.set_states, [0.0] * 18)
     assert message == "there are 12 continuous states, and 18 were asked for"
@@ -363,8 +363,8 @@ def test_states_of_another_number_or_without_one_are_refused(instantiate):
     assert message == "the state qd[6] cannot be nan: a finite number is needed"
 
 
-def test_parameters_are_tuned_at_events(instantiate):
-    truck = exchange(instantiate, "truck")
+def test_parameters_are_tuned_at_events(instantiate2):
+    truck = exchange(instantiate2, "truck")
     stiffness = {"warp.stiffness": 1e6}
     truck.set(stiffness)
     truck.slave.enterContinuousTimeMode()
@@ -372,8 +372,8 @@ def test_parameters_are_tuned_at_events(instantiate):
     assert message == "warp.stiffness is a parameter: in model exchange it is set in event mode"
 
 
-def test_an_instance_for_co_simulation_refuses_model_exchange(instantiate, block_name):
-    stepped = instantiate(block_name).initialize()
+def test_an_instance_for_co_simulation_refuses_model_exchange(instantiate2, block_name):
+    stepped = instantiate2(block_name).initialize()
     library, component = stepped.slave.dll, ctypes.c_void_p(stepped.slave.component)
     assert library.fmi2EnterEventMode(component) == 3
     assert stepped.messages[-1] == (
@@ -381,9 +381,9 @@ def test_an_instance_for_co_simulation_refuses_model_exchange(instantiate, block
     )
 
 
-def test_no_event_follows_at_once_on_an_event(instantiate):
+def test_no_event_follows_at_once_on_an_event(instantiate2):
     """What a slider's event sets up is away from zero, whichever way the strain then goes."""
-    truck = exchange(instantiate, "truck")
+    truck = exchange(instantiate2, "truck")
     values = values_of("truck")
     reach = [values[f"{n}.friction_limit"] / values[f"{n}.friction_stiffness"] for n in ELEMENTS]
     truck.slave.enterContinuousTimeMode()
@@ -409,8 +409,8 @@ def test_no_event_follows_at_once_on_an_event(instantiate):
         assert not event
 
 
-def test_twin_has_the_same_derivatives_indicators_and_memory(instantiate, block_name):
-    instance = exchange(instantiate, block_name)
+def test_twin_has_the_same_derivatives_indicators_and_memory(instantiate2, block_name):
+    instance = exchange(instantiate2, block_name)
     twin = Twin(BLOCKS[block_name](), values_of(block_name))
     twin.initialize()
     rng = np.random.default_rng(4)
