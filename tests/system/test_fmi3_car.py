@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 import tolerances
 
 from fmus.catalogue import fmu_path
-from orchestrator import simulate
+from fmus.export.python.flavor import build_python
+from orchestrator import Port, PortMap, simulate
 from orchestrator.results import Run
+from tracktrain.changes import swapped
 from tracktrain.hopper import BLOCK_OF, hopper_car
 
 INSTANCES = tuple(BLOCK_OF)
@@ -46,3 +49,25 @@ def test_car_of_either_version_or_both_is_the_same(master: str) -> None:
                 rtol=0.0,
                 err_msg=str(name),
             )
+
+
+def test_python_wheelset_in_a_mirror_between_fmus_of_both_versions(tmp_path: Path) -> None:
+    """With a truck of FMI 3.0 a Python FMU behind a map does what it does with one of FMI 2.0."""
+    names = ("y", "yaw", "vy", "wz", "force_y", "moment_z")
+    ports = {name: Port(name, -1.0) for name in names}
+    sides = ("left", "right")
+    for side, other in (sides, sides[::-1]):
+        ports[f"load_{side}"] = Port(f"load_{other}")
+        ports[f"rail_y_{side}"] = Port(f"rail_y_{other}", -1.0)
+    wheelset = build_python("wheelrail", tmp_path)
+    car, _ = swapped(hopper_car(track="fra4"), "wheelset_11", wheelset, PortMap(ports))
+    runs = [
+        simulate(car.with_fmu("truck_front", fmu_path("truck", version)), duration=0.1)
+        for version in ("2.0", "3.0")
+    ]
+    assert all(run.completed for run in runs)
+    forces = [run.dataset["wheelset_11.force_y"].values for run in runs]
+    assert np.abs(forces[0]).max() > 1.0
+    np.testing.assert_allclose(
+        forces[1], forces[0], rtol=0.0, atol=tolerances.VERSIONS_OF_FMI * np.abs(forces[0]).max()
+    )
