@@ -194,3 +194,6 @@ TWIN_ELEMENT = 1e-4
 VERSIONS_OF_FMI = 1e-12
 """Of a variable's peak, over 1 s: inputs on a line come from a rate or from values along it, which
 differ by rounding."""
+
+DIFFERENCE = 1e-3
+"""Second-order backward difference at 1 ms of a carbody's motion, of the velocity's peak."""

@@ -11,7 +11,7 @@ import tolerances
 
 from fmus.catalogue import fmu_path
 from fmus.export.python.flavor import build_python
-from orchestrator import Port, PortMap, simulate
+from orchestrator import Port, PortMap, resume, simulate
 from orchestrator.results import Run
 from tracktrain.changes import swapped
 from tracktrain.hopper import BLOCK_OF, hopper_car
@@ -71,3 +71,30 @@ def test_python_wheelset_in_a_mirror_between_fmus_of_both_versions(tmp_path: Pat
     np.testing.assert_allclose(
         forces[1], forces[0], rtol=0.0, atol=tolerances.VERSIONS_OF_FMI * np.abs(forces[0]).max()
     )
+
+
+def test_fmi3_car_goes_on_from_a_checkpoint_to_the_same_bits(tmp_path: Path) -> None:
+    """With what its adaptors remember, too: the last positions of a differentiated velocity."""
+    car = hopper_car(track="fra4")
+    components = {
+        name: replace(component, fmu=fmu_path(BLOCK_OF[name], "3.0"))
+        for name, component in car.components.items()
+    }
+    components["carbody"] = replace(
+        components["carbody"], ports=PortMap({}, {"front.differentiated": "front.y"})
+    )
+    system = replace(car, components=components)
+
+    def stop(time: float, wall: float) -> None:
+        if time > 0.15:
+            raise KeyboardInterrupt
+
+    whole = simulate(system, duration=0.3, step=1e-3)
+    options = {"duration": 0.3, "step": 1e-3, "checkpoint": 0.05, "out": tmp_path}
+    assert not simulate(system, progress=stop, **options).completed
+    resumed = resume(tmp_path)
+    assert resumed.completed
+    assert np.array_equal(np.asarray(resumed.record, float), whole.record)
+    velocity = whole.dataset["carbody.front.vy"]
+    error = np.abs(whole.dataset["carbody.front.differentiated"] - velocity)[2:]
+    assert error.max() < tolerances.DIFFERENCE * np.abs(velocity).max()
