@@ -105,6 +105,8 @@ static Status check_settable(Instance *instance, uint32_t reference, Kind kind, 
 }
 
 static void store(State *s, uint32_t reference, double value) {
+    /* A parameter that is told again what it is has nothing follow from it. */
+    if (reference < FIRST_INPUT && memcmp(s->value + reference, &value, sizeof value) == 0) return;
     s->value[reference] = value;
     s->outputs_stale = 1;
     if (reference < FIRST_INPUT) s->derived_stale = 1;

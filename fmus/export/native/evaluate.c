@@ -191,32 +191,33 @@ Status core_plan(Instance *instance, double time, double size, long *count) {
     return OK;
 }
 
-Status core_advance(Instance *instance, double from, double size, long count) {
+Status core_advance(Instance *instance, double time, double size, long count) {
     State *s = &instance->state;
-    double x[2][N_STATES + 1], u[2][N_INPUTS + 1], micro = size / (double)count;
-    memcpy(x[0], s->x, sizeof s->x);
-    memcpy(u[0], inputs(s), N_INPUTS * sizeof(double));
-    int now = 0;
-    for (long i = 0; i < count; i++, now = !now) {
-        instance->arg[0] = x[now];
-        instance->arg[1] = u[now];
+    double ends[2][N_STATES + N_INPUTS + 1], micro = size / (double)count;
+    const double *x = s->x, *u = inputs(s);
+    for (long i = 0; i < count; i++) {
+        double *end = ends[i % 2];
+        instance->arg[0] = x;
+        instance->arg[1] = u;
         instance->arg[2] = s->rate;
         instance->arg[3] = parameters(s);
         instance->arg[4] = s->d;
         instance->arg[5] = &micro;
-        instance->res[0] = x[!now];
-        instance->res[1] = u[!now];
+        instance->res[0] = end;
+        instance->res[1] = end + N_STATES;
         CALL(step);
+        x = end;
+        u = end + N_STATES;
     }
-    const char *lost = first_lost(x[now], u[now]);
+    const char *lost = first_lost(x, u);
     if (lost)
         return core_fail(instance, "%s is no longer finite after the step from t = %.17g s by %g s: "
                                    "the coupling or the micro step is unstable; take a smaller step",
-                         lost, from, size);
-    memcpy(s->x, x[now], sizeof s->x);
-    memcpy(inputs(s), u[now], N_INPUTS * sizeof(double));
+                         lost, time, size);
+    memcpy(s->x, x, N_STATES * sizeof *x);
+    memcpy(inputs(s), u, N_INPUTS * sizeof *u);
     memset(s->rate, 0, sizeof s->rate);
-    s->time = s->value[0] = from + size;
+    s->time = s->value[0] = time + size;
     s->outputs_stale = 1;
     return OK;
 }
