@@ -210,6 +210,11 @@ def _offers(system: System, plan: Plan) -> list[Exchange]:
     described = zip(system.components.items(), plan.descriptions, strict=True)
     for (name, component), description in described:
         found = None if isinstance(component.fmu, Mock) else exchange_of(Path(component.fmu))
+        if found is not None and any(v.lane for v in description.variables.values()):
+            raise CouplingError(
+                f"the system cannot be integrated as one: {name} ({description.label}) is coupled "
+                "through a map of its ports; put an FMU there that needs none, or co-simulate"
+            )
         if found is None:
             cannot.append(f"{name} ({description.label}, FMI {description.fmi_version})")
         else:

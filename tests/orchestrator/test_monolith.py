@@ -9,7 +9,16 @@ from coupled_mocks import oscillator
 from native_slaves import build_mass
 
 from fmus.catalogue import fmu_path
-from orchestrator import Component, Connection, OrchestratorError, System, linearise, monolith
+from orchestrator import (
+    Component,
+    Connection,
+    OrchestratorError,
+    Port,
+    PortMap,
+    System,
+    linearise,
+    monolith,
+)
 
 
 def refusal(function, system: System, **options) -> str:
@@ -34,6 +43,13 @@ def test_who_offers_no_model_exchange_is_named(tmp_path):
         "of FMI 2.0 for this machine; put an FMU there that does, or co-simulate"
     )
     assert "offers no model exchange" in refusal(linearise, oscillator())
+
+
+def test_a_port_map_is_refused_by_the_instance_that_has_it():
+    system = wheelsets().with_fmu("a", fmu_path("wheelrail"), PortMap({"y": Port("y", -1.0)}))
+    message = refusal(linearise, system)
+    assert message.startswith("the system cannot be integrated as one: a (wheelrail.fmu)")
+    assert "map of its ports" in message
 
 
 def test_an_algebraic_loop_is_refused_by_its_outputs():
