@@ -176,3 +176,12 @@ def test_a_block_alone_gives_what_our_orchestrator_gives_to_the_last_bit(engine,
     assert ours.completed, ours.message
     expected = np.array([ours.dataset[name].values[1:] for name in outputs]).T
     assert np.array_equal(theirs, expected)
+
+
+def test_the_car_in_fmi_3_gives_in_ecos_what_it_gives_in_fmi_2_to_the_last_bit(fmus, links):
+    lacking = unavailable("ecos")
+    need(lacking is None, str(lacking))
+    newer = {name: fmu_path(path.stem, "3.0") for name, path in fmus.items()}
+    two, three = (run("ecos", each, links, WATCHED, STEP, STEPS) for each in (fmus, newer))
+    assert np.ptp(two[:, DYNAMIC], axis=0).min() > 0.0
+    assert np.array_equal(two, three)
