@@ -200,15 +200,19 @@ class Stepper:
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Hear Ctrl-C afterwards only, so that what is written is whole."""
+    """Hear Ctrl-C, or what raises the same, afterwards only, so that what is written is whole."""
     if threading.current_thread() is not threading.main_thread():  # which alone hears it
         yield
         return
     heard: list[int] = []
-    previous = signal.signal(signal.SIGINT, lambda number, frame: heard.append(number))
+    handlers = {n: signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM)}
+    handlers = {n: handler for n, handler in handlers.items() if callable(handler)}
+    for number in handlers:
+        signal.signal(number, lambda number, frame: heard.append(number))
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, previous)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
     if heard:
         raise KeyboardInterrupt

@@ -16,7 +16,7 @@ from fmus.catalogue import FMI_VERSIONS
 
 from .chosen import CAR_ONLY, chosen_car, chosen_file, refuse_options, system_options
 from .errors import TracktrainError
-from .failures import Stopped, clear_errors
+from .failures import Stopped, clear_errors, termination_as_interrupt
 from .fmu_command import fmu
 from .model_commands import new, pack
 from .options import Name
@@ -213,6 +213,7 @@ def run(
         with (
             _progress(span, quiet) as (stage, progress),
             logged(ctx, log, log_level) as logger,
+            termination_as_interrupt(),
         ):
             stage("running")
             result = start(progress=progress, logger=logger)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -20,6 +22,19 @@ class Stopped(click.ClickException):
     """A run, or the program, stopped early."""
 
     exit_code = 1
+
+
+@contextmanager
+def termination_as_interrupt() -> Iterator[None]:
+    """Have the request to terminate (kill, shutdown) end a run as Ctrl-C does."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    previous = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, previous)
 
 
 @contextmanager

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -113,3 +114,20 @@ def test_log_is_written_where_it_is_asked_for(tmp_path: Path) -> None:
     wrong = run("--duration", "20ms", "--log", str(tmp_path / "no" / "log"), "--out", str(tmp_path))
     assert wrong.exit_code == 2
     assert "cannot be written to: no such file or directory; name another file" in wrong.stderr
+
+
+@pytest.mark.skipif(os.name != "posix", reason="kills as POSIX does")
+def test_request_to_terminate_ends_the_run_as_ctrl_c_does(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "tracktrain", "run", "--out", str(tmp_path)]
+    options = ("--duration", "20 min", "--every", "50", "--memory", "1MB")
+    pipe = subprocess.PIPE
+    victim = subprocess.Popen([*command, *options], stderr=pipe, stdout=pipe, text=True)
+    path = tmp_path / "results.nc"
+    while not path.exists() or path.read_bytes()[4:8] == bytes(4):  # no rows yet
+        assert victim.poll() is None
+        time.sleep(0.05)
+    victim.terminate()
+    _, said = victim.communicate()
+    assert victim.returncode == 1
+    assert "interrupted at t = " in said and str(tmp_path) in "".join(said.split())
+    assert dataset(tmp_path).sizes["time"] > 1

@@ -18,6 +18,7 @@ from native_slaves import FIXED, archive, body, description, variable
 from test_checkpoint import interrupted_at, wheelset_on_truck
 
 from orchestrator import Component, OrchestratorError, System, resume, simulate
+from orchestrator.masters import MASTERS
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="isolation needs Linux or macOS")
 
@@ -128,7 +129,7 @@ def test_instance_that_cannot_be_isolated(fmu):
     )
 
 
-@pytest.mark.parametrize("master", ["one-pass", "jacobi"])
+@pytest.mark.parametrize("master", MASTERS)
 @pytest.mark.parametrize("compiled", [True, False], ids=["compiled", "python"])
 def test_isolation_changes_no_bit(master, compiled):
     """Inputs, input derivatives, tangents and a value that an FMU refuses go through it."""

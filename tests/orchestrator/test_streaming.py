@@ -16,6 +16,7 @@ import xarray as xr
 from coupled_mocks import damped_mass, oscillator
 
 from orchestrator import OrchestratorError, recording, simulate
+from orchestrator.masters import MASTERS
 
 ROWS = 64
 SMALL = 8 * 7 * ROWS
@@ -29,7 +30,7 @@ def same(one: xr.Dataset, other: xr.Dataset) -> bool:
     )
 
 
-@pytest.mark.parametrize("master", ["one-pass", "jacobi"])
+@pytest.mark.parametrize("master", MASTERS)
 @pytest.mark.parametrize("compiled", [True, False], ids=["compiled", "python"])
 def test_bound_of_memory_changes_no_bit(tmp_path, master, compiled):
     """Through a window of some rows, over which the one-pass master extrapolates."""
