@@ -83,7 +83,7 @@ class Fmi3Slave(FMU3Slave):
         return result
 
     def reset(self):
-        self.rates = {}
+        self.rates, self.experiment = {}, (0.0, None)
         return super().reset()
 
     def getReal(self, vr):  # noqa: N802
@@ -210,6 +210,7 @@ class Fmi3Instance:
             instanceName=name,
         )
         self.slave.instantiate(logMessage=self._log, intermediateUpdate=self.slave.update)
+        self.stepped = self.slave
 
     def _log(self, _env, _status, _category, message) -> None:
         self.messages.append(message.decode())
