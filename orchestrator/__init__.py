@@ -18,6 +18,7 @@ from .mock import Mock
 from .monolith import monolith
 from .port_map import Port, PortMap, read_port_map
 from .results import Run
+from .session import Session
 from .simulation import resume, simulate
 from .system import Component, Connection, Experiment, PowerBond, System
 from .transformation import Linear, Table
@@ -37,6 +38,7 @@ __all__ = [
     "PortMap",
     "PowerBond",
     "Run",
+    "Session",
     "System",
     "Table",
     "Tangent",

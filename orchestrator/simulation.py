@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import tempfile
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
@@ -16,19 +15,20 @@ from .errors import CheckpointError, CouplingError, choices
 from .grid import make_grid
 from .initialize import settle
 from .log import Log
-from .mock import Mock, MockSlave
-from .plan import Plan, make_plan, start_values
+from .mock import Mock
+from .plan import make_plan, start_values
 from .results import Run, Statistics, provenance
 from .results_file import NAME as RESULTS
 from .results_file import STOPPED, ResultsFile
-from .slave import Logger, Slave, load, unzip
+from .session import Session
+from .slave import Logger
 from .system import Experiment, System
 from .texts import Texts
 
 Progress = Callable[[float, float], None]
 """Called with simulated time and wall time of stepping [s]."""
 
-LIVE = ("system", "progress", "logger", "measure", "resumed")
+LIVE = ("system", "progress", "logger", "measure", "resumed", "session")
 """Arguments of `simulate` that a checkpoint does not keep."""
 
 STEP = 1e-3
@@ -54,6 +54,7 @@ def simulate(
     checkpoint: float | None = None,
     isolate: Sequence[str] = (),
     timeout: float = 60.0,
+    session: Session | None = None,
     resumed: Checkpoint | None = None,
 ) -> Run:
     """Run a system for `duration` [s] with macro steps of `step` [s], from the time `start` [s].
@@ -68,6 +69,7 @@ def simulate(
     logger: a `Log`, or a function; called with what FMUs say.
     isolate: instances that run in processes of their own, where a crash, or a call that takes more
     than `timeout` [s] of wall time, ends the run and not the program.
+    session: keeps the FMUs loaded for the next run, which resets them.
     checkpoint: simulated time [s] between two checkpoints in `out`, from which `resume` goes on.
     Raises OrchestratorError for what does not fit before the first step; from then on the run
     always returns, and says in `message` why it stopped early.
@@ -90,7 +92,8 @@ def simulate(
 
     module = master_module(master)
     with ExitStack() as stack:
-        slaves = _load(system, plan, stack, logger, isolate, timeout)
+        loaded = session or stack.enter_context(Session())
+        slaves = loaded.slaves(system, plan, stack, logger, isolate, timeout)
         if interval:
             refuse_without_state(slaves)
         for slave, values in zip(slaves, plan.values, strict=True):
@@ -157,6 +160,8 @@ def simulate(
         if checkpoints is not None and message is None:
             checkpoints.remove()
         share = stepper.share_inside() if measure else None
+        if message is None and logger is None:
+            loaded.keep(slaves)
     done, wall = stepper.rows_done, stepper.wall
     table = recording.file.read() if recording.file else recording.kept(0, done)
     return Run(
@@ -227,39 +232,3 @@ def _check_isolated(isolate: Sequence[str], system: System) -> None:
             )
         if isinstance(system.components[name].fmu, Mock):
             raise CouplingError(f"{name} cannot be isolated: it is a mock, not an FMU")
-
-
-def _load(
-    system: System,
-    plan: Plan,
-    stack: ExitStack,
-    logger: Logger | None,
-    isolate: Sequence[str],
-    timeout: float,
-) -> list[Slave]:
-    """Instances of all components; the stack frees them, then removes what was unzipped."""
-    folder = Path(stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True)))
-    unzipped: dict[Path, Path] = {}
-    slaves: list[Slave] = []
-    described = zip(system.components.items(), plan.descriptions, strict=True)
-    for (name, component), description in described:
-        slave: Slave
-        if isinstance(component.fmu, Mock):
-            slave = MockSlave(name, component.fmu)
-        else:
-            path = Path(component.fmu).resolve()
-            if path not in unzipped:
-                unzipped[path] = unzip(path, description, folder / str(len(unzipped)))
-            if name in isolate:
-                from .isolation import IsolatedSlave
-
-                slave = IsolatedSlave(name, description, unzipped[path], logger, timeout)
-            else:
-                slave = load(name, description, unzipped[path], logger)
-        stack.callback(slave.close)
-        slaves.append(slave)
-    for slave in slaves:
-        slave.ready()
-        if isinstance(logger, Log) and logger.debug:
-            slave.debug(logger.categories)
-    return slaves

@@ -87,6 +87,10 @@ class Slave(ABC):
     def close(self) -> None:
         """Terminate and free the instance."""
 
+    def reset(self) -> bool:
+        """Be as just loaded; False where it cannot."""
+        return False
+
     def set_reals(self, variables: Sequence[Variable], values: NDArray[np.float64]) -> None:
         """Set inputs; raises SlaveError."""
         self._reals(self.addresses.set_real, variables, values, "cannot set")
@@ -320,6 +324,21 @@ class Fmi2Slave(FmuSlave):
     def begin_stepping(self) -> None:
         self._call("cannot be initialized", self._fmu.exitInitializationMode)
         self._stepping = True
+
+    def reset(self) -> bool:
+        if self.lanes is not None:
+            return False
+        try:
+            if self._stepping:
+                self._fmu.terminate()
+            self._fmu.reset()
+            if self.description.failure_categories:
+                self._fmu.setDebugLogging(True, self.description.failure_categories)
+        except Exception:  # fmpy raises plain exceptions
+            return False
+        self._stepping = False
+        self.messages.clear()
+        return True
 
     def _serialized(self) -> bytes:
         held = self._call("cannot save its state", self._fmu.getFMUstate)
