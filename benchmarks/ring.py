@@ -119,14 +119,14 @@ def build(folder: Path, version: int) -> None:
         archive.write(library, f"binaries/{platform}/{library.name}")
 
 
-def ring(fmu: Path) -> System:
+def ring(fmu: Path, blocks: int = BLOCKS) -> System:
     connections = [
-        Connection(f"block_{(i + way) % BLOCKS}.{name}", f"block_{i}.{side}_{name}")
-        for i in range(BLOCKS)
+        Connection(f"block_{(i + way) % blocks}.{name}", f"block_{i}.{side}_{name}")
+        for i in range(blocks)
         for side, way in (("left", -1), ("right", 1))
         for name in ("x", "vx", "y")
     ]
-    components = {f"block_{i}": Component(fmu, values(i)) for i in range(BLOCKS)}
+    components = {f"block_{i}": Component(fmu, values(i % BLOCKS)) for i in range(blocks)}
     return System(components, tuple(connections))
 
 

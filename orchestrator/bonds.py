@@ -64,13 +64,15 @@ def find_bonds(
 
 
 def _found(names: list[str], links: list[Link], descriptions: list[Description]) -> Iterator[Bond]:
+    between: dict[tuple[int, int], list[Link]] = {}
     plain = [link for link in links if link.transformation == IDENTITY]
+    for link in plain:
+        between.setdefault((link.source, link.target), []).append(link)
     for force in plain:
         back = [
             link
-            for link in plain
-            if (link.source, link.target) == (force.target, force.source)
-            and _group(link.output) == _group(force.input)
+            for link in between.get((force.target, force.source), ())
+            if _group(link.output) == _group(force.input)
             and _group(link.input) == _group(force.output)
             and _axis(link.output) == _axis(force.output)
             and (force.output.unit, link.output.unit) in _POWER

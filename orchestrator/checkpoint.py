@@ -176,8 +176,13 @@ def refuse_without_state(slaves: Sequence[Slave]) -> None:
 
 def _carried(prepared: Prepared) -> Iterator[NDArray[Any]]:
     """What a master carries from step to step: its floating-point tables, and what it names."""
-    for table in prepared.tables:
-        for array in table if isinstance(table, tuple) else (table,):
-            if isinstance(array, np.ndarray) and array.dtype == np.float64:
-                yield array
+    yield from _floats(prepared.tables)
     yield from prepared.memory
+
+
+def _floats(tables: Any) -> Iterator[NDArray[Any]]:
+    if isinstance(tables, tuple):
+        for table in tables:
+            yield from _floats(table)
+    elif isinstance(tables, np.ndarray) and tables.dtype == np.float64:
+        yield tables

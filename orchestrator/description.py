@@ -76,6 +76,7 @@ class Variable:
     start: str | None = None
     minimum: float | None = None
     maximum: float | None = None
+    nominal: float = 0.0
     items: Mapping[str, int] = field(default_factory=dict)
     description: str = ""
     derivative_of: str | None = None
@@ -125,11 +126,15 @@ class Description:
     failure_categories: those of the standard's log categories for what goes wrong that it has.
     arrays: shapes of those that were taken apart into elements. aliases: other names of variables.
     has_events: it has the event mode of FMI 3.0. returns_early: it may end a step early.
+    input_order: the highest derivative of an input that is taken; of a file it is 1.
     """
 
     label: str
     variables: Mapping[str, Variable]
     interpolates_inputs: bool = False
+    input_order: int = 1
+    saves_state: bool = False
+    variable_step: bool = False
     gives_derivatives: bool = False
     single_instance: bool = False
     serializes_state: bool = False
@@ -269,30 +274,27 @@ def survey(contents: Contents) -> Description:
     interfaces = contents.interfaces
     said = interfaces.get("co-simulation") or next(iter(interfaces.values()), {})
     variables = _variables(contents)
-    identifier = said.get("modelIdentifier", "")
+    identifier, model = said.get("modelIdentifier", ""), contents.model
     return Description(
         label=contents.path.name,
         variables=variables,
-        interpolates_inputs=_is_true(said, "canInterpolateInputs")
-        or _is_true(said, "providesIntermediateUpdate"),  # as FMI 3 has it
-        gives_derivatives=_is_true(said, "providesDirectionalDerivative")
-        or _is_true(said, "providesDirectionalDerivatives"),  # as FMI 3 spells it
+        interpolates_inputs=_is_true(said, "canInterpolateInputs", "providesIntermediateUpdate"),
+        saves_state=_is_true(said, "canGetAndSetFMUstate", "canGetAndSetFMUState"),
+        variable_step=_is_true(said, "canHandleVariableCommunicationStepSize"),
+        gives_derivatives=_is_true(
+            said, "providesDirectionalDerivative", "providesDirectionalDerivatives"
+        ),
         single_instance=_is_true(said, "canBeInstantiatedOnlyOncePerProcess"),
-        serializes_state=_is_true(said, "canSerializeFMUstate")
-        or _is_true(said, "canSerializeFMUState"),  # as FMI 3 spells it
+        serializes_state=_is_true(said, "canSerializeFMUstate", "canSerializeFMUState"),
         tangents=_tangents(contents.path, contents.root, variables),
-        units=_units(contents.model),
+        units=_units(model),
         fmi_version=contents.version,
-        guid=contents.model.guid or "",
+        guid=model.guid or "",
         model_identifier=identifier,
         binary=contents.binary(identifier),
         sha256=hashlib.sha256(contents.path.read_bytes()).hexdigest(),
-        failure_categories=tuple(
-            c.name for c in contents.model.logCategories or () if c.name in FAILURES
-        ),
-        aliases={
-            v.name: v.alias.name for v in contents.model.modelVariables if v.alias is not None
-        },
+        failure_categories=tuple(c.name for c in model.logCategories or () if c.name in FAILURES),
+        aliases={v.name: v.alias.name for v in model.modelVariables if v.alias is not None},
         has_events=_is_true(said, "hasEventMode"),
         returns_early=_is_true(said, "mightReturnEarlyFromDoStep"),
     )
@@ -343,8 +345,8 @@ def _first_problem(path: Path, error: Exception) -> str:
     return str(error)
 
 
-def _is_true(attributes: Mapping[str, str], name: str) -> bool:
-    return attributes.get(name) in ("true", "1")
+def _is_true(attributes: Mapping[str, str], *names: str) -> bool:
+    return any(attributes.get(name) in ("true", "1") for name in names)
 
 
 def _variables(contents: Contents) -> dict[str, Variable]:
@@ -405,6 +407,7 @@ def _variable(read: Any, dependencies: frozenset[str] | None, names: Mapping[int
         start=read.start,
         minimum=None if minimum is None else float(minimum),
         maximum=None if maximum is None else float(maximum),
+        nominal=abs(float(attribute("nominal") or 0.0)),
         items={item.name: int(item.value) for item in items},
         description=read.description or "",
         derivative_of=read.derivative.name if read.derivative is not None else None,

@@ -22,7 +22,9 @@ class Mock:
     same instant. derivative_of: the output that an output is the rate of.
     initial(p) -> x; step(x, u, rate, p, time, step) -> x; output(x, u, p) -> outputs;
     directional(x, u, p, seed) -> derivatives of the outputs along the seed of inputs.
-    Inputs vary over a step as u + rate * (t - time). An exception in a function is an error.
+    Inputs vary over a step as u + rate * (t - time); with input_order=2 the rate of each input is a
+    pair, of first and second derivative. An exception in a function is an error.
+    saves_state: the state can be restored, as long as `step` makes a new one.
     """
 
     outputs: Mapping[str, str] = field(default_factory=dict)
@@ -32,6 +34,8 @@ class Mock:
     derivative_of: Mapping[str, str] = field(default_factory=dict)
     tangents: tuple[Tangent, ...] = ()
     interpolates_inputs: bool = True
+    input_order: int = 1
+    saves_state: bool = True
     initial: Callable[[Signals], Any] = lambda p: None
     step: Callable[..., Any] = lambda x, u, rate, p, time, step: x
     output: Callable[..., Signals] = lambda x, u, p: {}
@@ -62,6 +66,9 @@ class Mock:
                 for reference, (name, causality, unit) in enumerate(ports)
             },
             interpolates_inputs=self.interpolates_inputs,
+            input_order=self.input_order,
+            saves_state=self.saves_state,
+            variable_step=True,
             gives_derivatives=self.directional is not None,
             tangents=self.tangents,
         )
@@ -78,14 +85,17 @@ class MockSlave(Slave):
         self._names = [v.name for v in self.description.variables.values()]
         self._u = {v.name: mock.start.get(v.name, 0.0) for v in self.description.inputs}
         self._p = {k: v for k, v in mock.start.items() if k not in self._u}
-        self._rate = dict.fromkeys(self._u, 0.0)
+        self._rates = {name: [0.0, 0.0] for name in self._u}
         self._x: Any = None
+        self._saved: list[Any] = []
         callbacks = (
             ffi.Reals(self._guarded(self._set)),
             ffi.Reals(self._guarded(self._get)),
             ffi.DoStep(self._guarded(self._step)),
             ffi.Rates(self._guarded(self._set_rates)),
             ffi.Directional(self._guarded(self._directional)),
+            ffi.State(self._guarded(self._save)),
+            ffi.State(self._guarded(self._restore)),
         )
         self._callbacks = callbacks
         self.addresses = Addresses(
@@ -127,10 +137,12 @@ class MockSlave(Slave):
         self._u.update(zip(self._named(references, count), given, strict=True))
 
     def _set_rates(self, _: int, references: int, count: int, orders: int, values: int) -> None:
-        if list((ctypes.c_int * count).from_address(orders)) != [1] * count:
-            raise ValueError("input derivatives of order 1 only")
         given = (ctypes.c_double * count).from_address(values)
-        self._rate.update(zip(self._named(references, count), given, strict=True))
+        order = (ctypes.c_int * count).from_address(orders)
+        for name, n, value in zip(self._named(references, count), order, given, strict=True):
+            if not 1 <= n <= self._mock.input_order:
+                raise ValueError(f"input derivatives up to order {self._mock.input_order} only")
+            self._rates[name][n - 1] = value
 
     def _get(self, _: int, references: int, count: int, values: int) -> None:
         known = {**self._p, **self._u, **self._mock.output(self._x, self._u, self._p)}
@@ -138,9 +150,25 @@ class MockSlave(Slave):
         taken[:] = [known[name] for name in self._named(references, count)]
 
     def _step(self, _: int, time: float, step: float, _no_return: int) -> None:
-        self._x = self._mock.step(self._x, dict(self._u), self._rate, self._p, time, step)
-        self._u = {name: value + self._rate[name] * step for name, value in self._u.items()}
-        self._rate = dict.fromkeys(self._u, 0.0)
+        rates: Mapping[str, Any] = self._rates
+        if self._mock.input_order == 1:
+            rates = {name: first for name, (first, _) in self._rates.items()}
+        self._x = self._mock.step(self._x, dict(self._u), rates, self._p, time, step)
+        for name, (first, second) in self._rates.items():
+            self._u[name] += (first + 0.5 * second * step) * step
+        self._rates = {name: [0.0, 0.0] for name in self._u}
+
+    def _save(self, _: int, place: int) -> None:
+        handle = ctypes.c_size_t.from_address(place)
+        if not handle.value:
+            self._saved.append(None)
+            handle.value = len(self._saved)
+        self._saved[handle.value - 1] = (self._x, dict(self._u))
+
+    def _restore(self, _: int, handle: int) -> None:
+        self._x, inputs = self._saved[handle - 1]
+        self._u = dict(inputs)
+        self._rates = {name: [0.0, 0.0] for name in self._u}
 
     def _directional(
         self,

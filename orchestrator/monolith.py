@@ -98,9 +98,12 @@ def monolith(
 
 def refuse_loops(plan: Plan) -> None:
     """Raise CouplingError for outputs that depend on each other without a state between them."""
-    _, loops = evaluation_order(*_feedthrough(plan, plan.columns))
+    batches, loops = evaluation_order(*_feedthrough(plan, plan.columns))
     if loops:
-        chain = " -> ".join(f"{plan.names[i]}.{name}" for i, name in [*loops[0], loops[0][0]])
+        around = [
+            (b.instance, o) for b in batches[loops[0].first : loops[0].last] for o in b.outputs
+        ]
+        chain = " -> ".join(f"{plan.names[i]}.{name}" for i, name in [*around, around[0]])
         raise CouplingError(
             f"the system cannot be integrated as one: it has the algebraic loop {chain}, "
             "which is not solved; put a state between, or co-simulate"

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from .bonds import Bond, find_bonds
 from .description import Description, Variable, describe
 from .errors import CouplingError, ResultsError, choices
-from .feedthrough import Batch, evaluation_order
+from .feedthrough import Batch, Loop, evaluation_order
 from .links import Link, find_links
 from .mock import Mock
 from .system import Component, System, Value
@@ -23,8 +23,9 @@ class Plan:
     columns: the outputs that are read, grouped by instance; those of an instance in the order in
     which they become final. first_column: where each instance's begin, and the end.
     steady: for each instance the number of leading columns that depend on its states only.
-    batches: feedthrough outputs in the order in which they are to be read again.
     text_links: connections of texts, and texts: outputs that are recorded; masters know neither.
+    batches: feedthrough outputs in the order in which they are to be read again; `loops` among
+    them are gone through until they agree.
     """
 
     names: list[str]
@@ -34,11 +35,12 @@ class Plan:
     first_column: list[int]
     steady: list[int]
     batches: list[Batch]
+    loops: list[Loop]
     values: list[list[tuple[Variable, Value]]]
     open_inputs: list[tuple[int, Variable]]
     recorded: list[int]
     bonds: list[Bond]
-    looped: frozenset[int]
+    every: list[int]
     text_links: list[Link] = field(default_factory=list)
     texts: list[tuple[int, Variable]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -46,13 +48,21 @@ class Plan:
     def __post_init__(self) -> None:
         self.column_of = {(i, v.name): n for n, (i, v) in enumerate(self.columns)}
         self.link_of = {(link.target, link.input.name): link for link in self.links}
+        self._links_to: list[list[Link]] = [[] for _ in self.names]
+        for link in self.links:
+            self._links_to[link.target].append(link)
 
     def name(self, instance: int, variable: Variable) -> str:
         """ "instance.variable" of a variable."""
         return f"{self.names[instance]}.{variable.name}"
 
     def links_of(self, instance: int) -> list[Link]:
-        return [link for link in self.links if link.target == instance]
+        return self._links_to[instance]
+
+    @property
+    def looped(self) -> frozenset[int]:
+        """Instances that an algebraic loop goes through."""
+        return frozenset(b.instance for p in self.loops for b in self.batches[p.first : p.last])
 
 
 def make_plan(system: System, record: Sequence[str] | None = None) -> Plan:
@@ -68,6 +78,7 @@ def make_plan(system: System, record: Sequence[str] | None = None) -> Plan:
             raise CouplingError(f"'{name}' cannot name an instance: it is empty or has a dot")
     descriptions = [component_description(name, c) for name, c in system.components.items()]
     _check_single_instances(names, descriptions)
+    every = [_every(name, component.every) for name, component in system.components.items()]
     notes = list(system.notes)
     links, text_links = find_links(system.connections, names, descriptions, notes)
     values = [
@@ -99,8 +110,11 @@ def make_plan(system: System, record: Sequence[str] | None = None) -> Plan:
         {(k.target, k.input.name): (k.source, k.output.name) for k in links},
     )
     for loop in loops:
-        chain = " -> ".join(f"{names[i]}.{name}" for i, name in [*loop, loop[0]])
-        notes.append(f"algebraic loop, gone through once a step and not solved: {chain}")
+        inside = [
+            f"{names[b.instance]}.{o}" for b in batches[loop.first : loop.last] for o in b.outputs
+        ]
+        shown = ", ".join(inside[:12]) + (f" and {len(inside) - 12} more" if inside[12:] else "")
+        notes.append(f"algebraic loop, solved at every communication point: {shown}")
     columns, first_column, steady = _columns(len(names), read, batches)
     plan = Plan(
         names=names,
@@ -110,18 +124,24 @@ def make_plan(system: System, record: Sequence[str] | None = None) -> Plan:
         first_column=first_column,
         steady=steady,
         batches=batches,
+        loops=loops,
         values=values,
         open_inputs=[
             (i, v) for i, v in open_inputs if v.coupled and f"{names[i]}.{v.name}" in wanted
         ],
         recorded=[n for n, (i, v) in enumerate(columns) if f"{names[i]}.{v.name}" in wanted],
         bonds=[],
-        looped=frozenset(i for loop in loops for i, _ in loop),
         text_links=text_links,
         texts=[(i, v) for i, v in texts if f"{names[i]}.{v.name}" in wanted],
+        every=every,
         notes=notes,
     )
-    return replace(plan, bonds=find_bonds(plan.names, plan.links, descriptions, system.bonds))
+    bonds = find_bonds(plan.names, plan.links, descriptions, system.bonds)
+    measured = [b for b in bonds if every[b.force.target] == every[b.velocity.target] == 1]
+    if len(measured) < len(bonds):
+        unmeasured = ", ".join(bond.name for bond in bonds if bond not in measured)
+        notes.append(f"no energy residual, since one side steps seldom: {unmeasured}")
+    return replace(plan, bonds=measured)
 
 
 def component_description(name: str, component: Component) -> Description:
@@ -152,6 +172,14 @@ def _check_single_instances(names: list[str], descriptions: list[Description]) -
                 f"{' and '.join(same)} are instances of {description.label}, which says that it "
                 "can be instantiated only once in a process; give each its own FMU"
             )
+
+
+def _every(name: str, every: object) -> int:
+    if not isinstance(every, int) or every < 1:
+        raise CouplingError(
+            f"{name} cannot step every {every} macro steps; give a whole number of at least 1"
+        )
+    return every
 
 
 def _note_open_inputs(
@@ -222,8 +250,10 @@ def _columns(
     final = {(b.instance, name): n for n, b in enumerate(batches) for name in b.outputs}
     columns: list[tuple[int, Variable]] = []
     first, steady = [0], []
-    for instance in range(count):
-        own = [(i, v) for i, v in read if i == instance]
+    read_of: list[list[tuple[int, Variable]]] = [[] for _ in range(count)]
+    for port in read:
+        read_of[port[0]].append(port)
+    for own in read_of:
         own.sort(key=lambda port: final.get((port[0], port[1].name), -1))
         steady.append(sum((i, v.name) not in final for i, v in own))
         columns += own

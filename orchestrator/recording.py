@@ -15,9 +15,6 @@ from .masters.tables import Prepared
 from .plan import Plan
 from .results_file import ResultsFile
 
-BEHIND = 4
-"""Rows before the newest that stay in memory, for masters that look back."""
-
 BLOCK = 2048
 """Rows that are written at a time."""
 
@@ -44,17 +41,18 @@ class Recording:
         memory: float | None = None,
     ) -> None:
         self._plan, self._grid = plan, grid
-        self._constant, self._every = constant, every
+        self._constant, self._every, self._behind = constant, every, prepared.behind
         self.file: ResultsFile | None = None
         columns = len(plan.columns)
         self._count = grid.steps + 1
         if memory is not None:
             size = 8 * (columns + len(prepared.led))
             fitting = int(memory / size)
-            if fitting < 16 * BEHIND:
+            least = 16 * prepared.behind
+            if fitting < least:
                 raise RecordSizeError(
-                    f"results cannot be kept in {memory:g} bytes of memory: {16 * BEHIND} rows of "
-                    f"{columns} values need {16 * BEHIND * size} bytes; give more"
+                    f"results cannot be kept in {memory:g} bytes of memory: {least} rows of "
+                    f"{columns} values need {least * size} bytes; give more"
                 )
             self._count = min(self._count, fitting)
         self._rows = _room(self._count, columns)
@@ -86,7 +84,7 @@ class Recording:
                 self.file.append(self.kept(first, self._taken))
         self._flushed = time.perf_counter()
         if full:
-            first = max(self.first, done - BEHIND)
+            first = max(self.first, done - self._behind)
             self._rows[: done - first] = self.rows[first:done]
             self._ends[: done - first] = self.ends[first:done]
             self._show(first)
@@ -97,7 +95,7 @@ class Recording:
 
     def memory(self, done: int) -> dict[str, NDArray[Any]]:
         """What a continued run needs: the newest rows, and sums."""
-        first = max(self.first, done - BEHIND)
+        first = max(self.first, done - self._behind)
         return {
             "rows": self.rows[first:done].copy(),
             "ends": self.ends[first:done].copy(),

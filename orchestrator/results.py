@@ -26,13 +26,28 @@ BLOCK = 4096
 
 
 @dataclass(frozen=True)
+class Iterations:
+    """Evaluations of a macro step by `slaves` FMUs that repeat it together: mean and most."""
+
+    names: str
+    mean: float
+    most: int
+    slaves: int
+
+
+@dataclass(frozen=True)
 class Statistics:
-    """Wall time [s] of loading and of stepping; the share of the latter inside the FMUs."""
+    """Wall time [s] of loading and of stepping; the share of the latter inside the FMUs.
+
+    fmu_steps: steps of an FMU in a macro step, on average over the FMUs.
+    """
 
     wall_load: float
     wall_stepping: float
     real_time_factor: float
     time_inside_fmus: float | None = None
+    fmu_steps: float = 1.0
+    iterations: tuple[Iterations, ...] = ()
 
 
 @dataclass

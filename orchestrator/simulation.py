@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,6 +26,10 @@ from .slave import Logger
 from .system import Experiment, System
 from .texts import Texts
 
+if TYPE_CHECKING:
+    from .masters.tables import Prepared
+    from .slave import Slave
+
 Progress = Callable[[float, float], None]
 """Called with simulated time and wall time of stepping [s]."""
 
@@ -41,6 +46,10 @@ def simulate(
     duration: float | None = None,
     step: float | None = None,
     master: str = "one-pass",
+    order: int = 0,
+    method: str = "broyden",
+    tolerance: float = 1e-8,
+    iterations: int = 100,
     start: float | None = None,
     record: Sequence[str] | None = None,
     every: int = 1,
@@ -60,6 +69,8 @@ def simulate(
     """Run a system for `duration` [s] with macro steps of `step` [s], from the time `start` [s].
 
     What is None is taken from the system's experiment; else the step is 1 ms and the start 0.
+    order: to which `jacobi` and `gauss-seidel` extrapolate inputs. method, tolerance, iterations:
+    how `iterated` repeats macro steps, see `masters.options`.
     record: names or patterns of the outputs to keep; None keeps all, and every open input.
     every: of the rows those at multiples of so many macro steps are kept.
     out: folder for results.nc, which is written as the rows are made; then no more than `memory`
@@ -87,10 +98,13 @@ def simulate(
         resumed.check(plan)
     # numba takes half a second to import: not before the system is known to be sound.
     from .masters import master_module
+    from .masters.options import Options
     from .recording import Recording
     from .stepping import Stepper
 
     module = master_module(master)
+    options = Options(order, method, tolerance, iterations)
+    options.check(master)
     with ExitStack() as stack:
         loaded = session or stack.enter_context(Session())
         slaves = loaded.slaves(system, plan, stack, logger, isolate, timeout)
@@ -109,7 +123,8 @@ def simulate(
             slave.begin_stepping()
         texts.settle()
         first_row = settle(plan, slaves)
-        prepared = module.prepare(plan, slaves)
+        prepared = module.prepare(plan, slaves, options)
+        stack.callback(_free_states, slaves, prepared)
         opened = plan.open_inputs
         constant = np.array([slaves[i].get_reals([v])[0] for i, v in opened])
         variables = [
@@ -139,7 +154,7 @@ def simulate(
             recording.file = stack.enter_context(closing(file))
         if resumed is None:
             texts.begin(start)
-        stepper = Stepper(module, prepared, plan, slaves, grid, recording, compiled)
+        stepper = Stepper(prepared, plan, slaves, grid, recording, compiled)
         checkpoints = None
         if interval and recording.file is not None:
             checkpoints = Checkpoints(
@@ -174,7 +189,12 @@ def simulate(
         message=message,
         bonds=recording.residuals(),
         statistics=Statistics(
-            wall_load, wall, (done - first) * step / wall if wall > 0.0 else math.inf, share
+            wall_load,
+            wall,
+            (done - first) * step / wall if wall > 0.0 else math.inf,
+            share,
+            stepper.fmu_steps(),
+            tuple(stepper.iterations()),
         ),
         notes=[*notes, *plan.notes, *prepared.notes, *stepper.messages()],
         path=recording.file.path if recording.file else None,
@@ -232,3 +252,9 @@ def _check_isolated(isolate: Sequence[str], system: System) -> None:
             )
         if isinstance(system.components[name].fmu, Mock):
             raise CouplingError(f"{name} cannot be isolated: it is a mock, not an FMU")
+
+
+def _free_states(slaves: Sequence[Slave], prepared: Prepared) -> None:
+    if prepared.states is not None:
+        for slave, handle in zip(slaves, prepared.states, strict=True):
+            slave.free_state(int(handle))

@@ -52,6 +52,8 @@ class Addresses(NamedTuple):
     do_step: int
     set_rates: int
     directional: int
+    get_state: int = 0
+    set_state: int = 0
 
 
 class Slave(ABC):
@@ -116,6 +118,14 @@ class Slave(ABC):
     def fault(self, function: str, status: int) -> str:
         """How a call failed."""
         return f"{self.called(function)} returned {Status(status).name.lower()}"
+
+    @property
+    def rolls_back(self) -> bool:
+        """Whether a macro step can be undone by the functions at `addresses`."""
+        return self.description.saves_state and self.addresses.get_state != 0
+
+    def free_state(self, handle: int) -> None:  # noqa: B027 - only an FMU has something to free
+        """Free what the function at `addresses.get_state` made, if it did."""
 
     @property
     def keeps_state(self) -> bool:
@@ -198,6 +208,10 @@ class FmuSlave(Slave):
     def debug(self, categories: Sequence[str]) -> None:
         what = f"refused the log categories {', '.join(categories) or '(all)'}"
         self._call(what, self._fmu.setDebugLogging, True, list(categories))
+
+    def free_state(self, handle: int) -> None:
+        if handle:
+            self._fmu.freeFMUstate(ctypes.c_void_p(handle))
 
     def state(self) -> bytes:
         own = self.lanes.state() if self.lanes else b""
@@ -298,6 +312,8 @@ class Fmi2Slave(FmuSlave):
                     "fmi2DoStep",
                     "fmi2SetRealInputDerivatives",
                     "fmi2GetDirectionalDerivative",
+                    "fmi2GetFMUstate",
+                    "fmi2SetFMUstate",
                 ),
             ),
         )

@@ -7,23 +7,29 @@ import threading
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from types import ModuleType
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .checkpoint import Checkpoints
 from .errors import CheckpointError, OrchestratorError, ResultsError, SlaveError
 from .grid import Grid
-from .masters.tables import CALLS, NOT_FINITE, Prepared
+from .initialize import loop_failure
+from .masters.tables import CALLS, LOOP, NOT_CONVERGED, NOT_FINITE, Prepared
 from .mock import MockSlave
 from .plan import Plan, columns_of
 from .recording import Recording
+from .results import Iterations
 from .simulation import Progress
-from .slave import Slave
+from .slave import Addresses, Slave
 from .texts import Texts
 
 CHUNK = 0.07
 """Wall time [s] between two looks at the progress callback and at Ctrl-C."""
+
+START = 64
+"""Parts that a macro step is divided into while there are no values to extrapolate from."""
 
 
 class Stepper:
@@ -31,7 +37,6 @@ class Stepper:
 
     def __init__(
         self,
-        master: ModuleType,
         prepared: Prepared,
         plan: Plan,
         slaves: Sequence[Slave],
@@ -41,7 +46,7 @@ class Stepper:
     ) -> None:
         self._plan, self._slaves, self._grid = plan, slaves, grid
         self._prepared, self._recording = prepared, recording
-        self._advance = master.advance if compiled else master.advance.py_func
+        self._advance = prepared.advance if compiled else prepared.advance.py_func
         self._report = np.array([1, 0, 0, 0], np.int64)
         self._chunk(0, 0)  # compiles, or loads what was compiled before
         self.wall = 0.0
@@ -79,8 +84,12 @@ class Stepper:
         self, progress: Progress | None, texts: Texts, checkpoints: Checkpoints | None
     ) -> str | None:
         begin = time.perf_counter()
-        done, size = self.rows_done - 1, 1 if texts.watched else 16
+        size = 1 if texts.watched else 16
         try:
+            begins = self.rows_done == 1 and not texts.watched
+            done = self._begin() if begins else self.rows_done - 1
+            if self._report[1]:
+                return self._reason()
             while done < self._grid.steps:
                 chunk_begin = time.perf_counter()
                 last = min(done + size, self._recording.last)
@@ -108,6 +117,44 @@ class Stepper:
             self.wall = time.perf_counter() - begin
         return None
 
+    def _begin(self) -> int:
+        """The first macro steps in small ones, so that there are values to extrapolate from."""
+        count = min(self._prepared.start_order, self._recording.last)
+        if count == 0:
+            return 0
+        columns, led = len(self._plan.columns), self._prepared.led
+        rows = np.full((count * START + 1, columns), np.nan)
+        rows[0] = self._recording.rows[0]
+        ends = np.empty((count * START, len(led)))
+        self._call(0, count * START, self._grid.step / START, rows, ends, self._report)
+        complete = int(self._report[0])
+        done = (complete - 1) // START
+        kept = self._recording.rows
+        kept[: done + 1] = rows[: done * START + 1 : START]
+        if self._report[1] == NOT_FINITE:
+            kept[done + 1] = rows[complete]
+        for link, column in led.items():
+            values = kept[1 : done + 1, self._plan.column_of[link.source, link.output.name]]
+            self._recording.ends[:done, column] = link.gain * values + link.offset
+        self._report[0] = done + 1
+        return done
+
+    def iterations(self) -> list[Iterations]:
+        """Evaluations of each part that repeats its macro steps."""
+        solved = self._prepared.solved
+        steps = self.rows_done - 1
+        if solved is None or steps == 0:
+            return []
+        return [
+            Iterations(", ".join(slaves), int(state[2]) / steps, int(state[3]), len(slaves))
+            for slaves, state in zip(solved.slaves, solved.unknowns.state, strict=True)
+        ]
+
+    def fmu_steps(self) -> float:
+        """Steps of an FMU in a macro step, on average over the FMUs."""
+        repeated = sum(i.slaves * (i.mean - 1.0) for i in self.iterations())
+        return (sum(1.0 / every for every in self._plan.every) + repeated) / len(self._slaves)
+
     def messages(self) -> list[str]:
         """What the FMUs logged, once each."""
         said = [f"{slave.name} says: {text}" for slave in self._slaves for text in slave.messages]
@@ -125,35 +172,44 @@ class Stepper:
         steps = min(self._grid.steps, 2000)
         table = self._prepared.tables[0]
         idle = np.full_like(table.instance, address_of_idle())
-        functions = ("set_real", "get_real", "do_step", "set_rates", "directional")
+        functions = [f for f in Addresses._fields if f != "instance"]
         tables = (table._replace(**dict.fromkeys(functions, idle)), *self._prepared.tables[1:])
         rows, report = np.zeros((steps + 1, len(self._plan.columns))), np.zeros(4, np.int64)
         ends = np.zeros((steps, len(self._prepared.led)))
         spent = []
         for _ in range(3):
             begin = time.perf_counter()
-            self._advance(
-                0, steps, self._grid.start, self._grid.step, rows, rows.ctypes.data, ends, report,
-                *tables,
-            )  # fmt: skip
+            self._call(0, steps, self._grid.step, rows, ends, report, tables)
             spent.append(time.perf_counter() - begin)
         return 1.0 - min(spent) / steps / (self.wall / max(self.rows_done - 1, 1))
 
     def _chunk(self, first: int, last: int) -> int:
+        recording = self._recording
+        self._call(first, last, self._grid.step, recording.rows, recording.ends, self._report)
+        return last
+
+    def _call(
+        self,
+        first: int,
+        last: int,
+        step: float,
+        rows: NDArray[np.float64],
+        ends: NDArray[np.float64],
+        report: NDArray[np.int64],
+        tables: tuple[Any, ...] | None = None,
+    ) -> None:
         with np.errstate(all="ignore"):  # as in compiled code; the master looks at every number
-            rows = self._recording.rows
             self._advance(
                 first,
                 last,
                 self._grid.start,
-                self._grid.step,
+                step,
                 rows,
                 rows.ctypes.data,
-                self._recording.ends,
-                self._report,
-                *self._prepared.tables,
+                ends,
+                report,
+                *(tables or self._prepared.tables),
             )
-        return last
 
     def _reason(self) -> str:
         _, call, number, status = (int(n) for n in self._report)
@@ -166,6 +222,11 @@ class Stepper:
                 f"{self._plan.name(instance, variable)} is {row[column]} at t = "
                 f"{self._time(self.rows_done):g} s{slave.said()}"
             )
+        if call == LOOP:
+            failure = loop_failure(self._plan, self._report)
+            return f"{failure} at t = {self._time(self.rows_done):g} s"
+        if call == NOT_CONVERGED:
+            return self._unconverged(number, status)
         slave = self._slaves[number]
         if isinstance(slave, MockSlave) and slave.interrupt is not None:
             return self._interrupted()
@@ -177,6 +238,19 @@ class Stepper:
         return (
             f"{slave.name}: {slave.fault(CALLS[call], status)} in the step from "
             f"t = {self._time(self.rows_done - 1):g} s{slave.said()}"
+        )
+
+    def _unconverged(self, group: int, unknown: int) -> str:
+        solved = self._prepared.solved
+        assert solved is not None
+        tries = solved.unknowns.state[group, 0]
+        n = int(solved.unknowns.first[group]) + unknown
+        value, residual = solved.unknowns.value[n], solved.unknowns.residual[n]
+        return (
+            f"{', '.join(solved.slaves[group])} do not agree after {tries} evaluations of the step "
+            f"from t = {self._time(self.rows_done - 1):g} s: {solved.labels[group][unknown]} still "
+            f"changes by {residual:.1e} at {value:g}; give a shorter step, another method or a "
+            "larger tolerance"
         )
 
     def _order(self) -> list[int]:

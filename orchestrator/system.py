@@ -25,11 +25,13 @@ class Component:
     """An FMU, with start values of its parameters and of inputs that nothing drives.
 
     ports: what the system's names are in the FMU, where it has other ones.
+    every: it steps once in so many macro steps, over all of them.
     """
 
     fmu: Path | Mock
     parameters: Mapping[str, Value] = field(default_factory=dict)
     ports: PortMap | None = None
+    every: int = 1
 
 
 @dataclass(frozen=True)

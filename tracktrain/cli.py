@@ -18,6 +18,7 @@ from .chosen import CAR_ONLY, chosen_car, chosen_file, refuse_options, system_op
 from .errors import TracktrainError
 from .failures import Stopped, clear_errors, termination_as_interrupt
 from .fmu_command import fmu
+from .master_options import coupling, master_options
 from .model_commands import new, pack
 from .options import Name
 from .run_options import RESUMED, isolated, logged, run_options, survival
@@ -140,13 +141,7 @@ Examples:
     "--ssd", metavar="NAME", help="Which system to run, where FILE.ssp holds several (.ssd)."
 )
 @system_options
-@click.option(
-    "--master",
-    type=Name("master", ("one-pass", "jacobi")),
-    default="one-pass",
-    show_default=True,
-    help="Coupling algorithm.",
-)
+@master_options
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
@@ -162,7 +157,6 @@ def run(
     ctx: click.Context,
     file: Path | None,
     ssd: str | None,
-    master: str,
     out: Path,
     quiet: bool,
     csv: bool,
@@ -182,7 +176,7 @@ def run(
         from orchestrator import read_checkpoint, simulate
         from orchestrator import resume as go_on
 
-        how = survival(shape)
+        how, coupled = survival(shape), coupling(shape)
         folder = writable(resume or out)
         start: Callable[..., Run]
         if resume is not None:
@@ -202,11 +196,11 @@ def run(
             start = partial(
                 simulate,
                 system,
-                master=master,
                 out=folder,
                 isolate=isolated(isolate, system),
                 command=ctx.meta["command"],
                 **how,
+                **coupled,
             )
         experiment = system.experiment
         span = (experiment.stop or 0.0) - (experiment.start or 0.0)

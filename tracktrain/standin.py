@@ -15,11 +15,11 @@ from orchestrator import (
     describe,
 )
 from orchestrator.arrays import shaped, taken_apart
-from orchestrator.coupling import Way, couple
+from orchestrator.coupling import Way, couple, interpolated
 from orchestrator.description import Contents, open_fmu, survey
 from orchestrator.errors import FmuError, UnitError
 from orchestrator.links import DRIVES
-from orchestrator.plan import make_plan
+from orchestrator.plan import Plan, make_plan
 from orchestrator.units import conversion
 
 from .changes import differentiated, swapped
@@ -239,7 +239,7 @@ def _losses(
     outputs = [v for v in own.outputs if v.name in required and _has(found, v)]
     losses = []
     if required & {v.name for v in own.inputs} and not found.interpolates_inputs:
-        losses.append("takes no input derivatives: its inputs are held over each step")
+        losses.append("takes no input derivatives: its inputs are constant over each step")
     tangible = _tangible(car, instance) & {v.name for v in outputs}
     if tangible and not found.gives_derivatives:
         losses.append(f"gives no directional derivatives of {_names(tangible)}")
@@ -290,23 +290,27 @@ def _plan(result: StandIn, car: System, instance: str, path: Path, ports: PortMa
     except OrchestratorError as error:
         result.obstacles.append(f"the car refuses it: {error}")
         return
-    before = {usual.name(k.target, k.input): way for k, way in couple(usual).ways.items()}
-    changes: dict[tuple[Way, Way], list[str]] = {}
-    for link, way in couple(plan).ways.items():
-        name = plan.name(link.target, link.input)
-        if way is not before[name]:
-            changes.setdefault((before[name], way), []).append(name)
+    before, now = _ways(usual), _ways(plan)
+    changes: dict[tuple[str, str], list[str]] = {}
+    for name, way in now.items():
+        if way != before[name]:
+            changes.setdefault((way, before[name]), []).append(name)
     result.effects = [
-        f"{_said(now)} instead of {_said(then)}: {', '.join(names)}"
-        for (then, now), names in changes.items()
+        f"{way} instead of {then}: {', '.join(names)}" for (way, then), names in changes.items()
     ]
     if looped := plan.looped - usual.looped:
         names = _names([plan.names[n] for n in looped])
-        result.effects.append(f"algebraic loop, not solved, through {names}")
+        result.effects.append(f"algebraic loop, solved in every step, through {names}")
 
 
-def _said(way: Way) -> str:
-    return way.name.lower().replace("_", " ")
+def _ways(plan: Plan) -> dict[str, str]:
+    """How each input is led, by its full name; by the mean where it cannot move over a step."""
+    return {
+        plan.name(link.target, link.input): way.name.lower().replace("_", " ")
+        if way is Way.HELD or interpolated(plan, link)
+        else "mean"
+        for link, way in couple(plan).ways.items()
+    }
 
 
 def _remarks(

@@ -90,5 +90,7 @@ def _quality(run: Run) -> Table:
         worst = max(run.bonds, key=lambda bond: bond.relative)
         table.add_row("energy residual", f"{worst.relative:.1e} of the energy that passed, at most")
         table.add_row("", f"({worst.name})")
+    for part in run.statistics.iterations:
+        table.add_row("evaluations of a step", f"{part.mean:.2f} on average, {part.most} at most")
     table.add_row("real-time factor", three_digits(run.real_time_factor))
     return table

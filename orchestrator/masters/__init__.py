@@ -1,6 +1,7 @@
 """Masters: how the slaves are coupled over a macro step, one algorithm a file.
 
-A master module has `prepare(plan, slaves) -> Prepared` and `advance`, its compiled macro loop.
+A master module has `prepare(plan, slaves, options) -> Prepared`: a compiled macro loop and
+its tables.
 """
 
 from __future__ import annotations
@@ -10,7 +11,12 @@ from types import ModuleType
 
 from ..errors import CouplingError, choices
 
-MASTERS = {"one-pass": "one_pass", "jacobi": "jacobi"}
+MASTERS = {
+    "one-pass": "one_pass",
+    "jacobi": "jacobi",
+    "gauss-seidel": "gauss_seidel",
+    "iterated": "iterated",
+}
 """Name of each master and the module that has it."""
 
 

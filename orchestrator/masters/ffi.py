@@ -20,6 +20,7 @@ _INT, _ADDRESS, _DOUBLE = ctypes.c_int, ctypes.c_void_p, ctypes.c_double
 Reals = ctypes.CFUNCTYPE(_INT, _ADDRESS, _ADDRESS, ctypes.c_size_t, _ADDRESS)
 Rates = ctypes.CFUNCTYPE(_INT, _ADDRESS, _ADDRESS, ctypes.c_size_t, _ADDRESS, _ADDRESS)
 DoStep = ctypes.CFUNCTYPE(_INT, _ADDRESS, _DOUBLE, _DOUBLE, _INT)
+State = ctypes.CFUNCTYPE(_INT, _ADDRESS, _ADDRESS)
 Directional = ctypes.CFUNCTYPE(
     _INT, _ADDRESS, _ADDRESS, ctypes.c_size_t, _ADDRESS, ctypes.c_size_t, _ADDRESS, _ADDRESS
 )
@@ -47,6 +48,11 @@ def rates(
 def do_step(function: int, instance: int, time: float, step: float) -> int:
     """fmi2DoStep, never to be undone; the status."""
     return _python(DoStep, int(function))(int(instance), time, step, 1)
+
+
+def state(function: int, instance: int, state: int) -> int:
+    """fmi2GetFMUstate with the address of a state, or fmi2SetFMUstate with a state; the status."""
+    return _python(State, int(function))(int(instance), int(state))
 
 
 def directional(
@@ -99,6 +105,11 @@ def _rates(function, instance, references, count, orders, values):
 @overload(do_step)
 def _do_step(function, instance, time, step):
     return lambda function, instance, time, step: _call(function, (instance, time, step, int32(1)))
+
+
+@overload(state)
+def _state(function, instance, state):
+    return lambda function, instance, state: _call(function, (instance, state))
 
 
 @overload(directional)

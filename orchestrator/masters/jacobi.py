@@ -1,14 +1,18 @@
-"""Jacobi: every slave steps with the inputs of the step's start, held."""
+"""Jacobi: every slave steps with what is known at the step's start.
+
+Of order 0 inputs are held, which this short loop does; of order 1 and 2 they are extrapolated
+through their last values, by the explicit loop.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
+from ..coupling import Coupling, Way, continuous, way_notes
 from ..plan import Plan
 from ..slave import Slave
-from . import ffi
+from . import explicit, ffi
+from .options import Options
 from .tables import (
     GET,
     NOT_FINITE,
@@ -32,15 +36,19 @@ from .tables import (
 )
 
 
-def prepare(plan: Plan, slaves: Sequence[Slave]) -> Prepared:
-    """Tables for `advance`."""
-    sizes = np.diff(plan.first_column)
-    early = [int(sizes[i]) if i in plan.looped else plan.steady[i] for i in range(len(slaves))]
-    table = calls(plan, slaves, early)
+def prepare(plan: Plan, slaves: Sequence[Slave], options: Options) -> Prepared:
+    """Tables for `advance`, or for the explicit loop where inputs are not merely held."""
+    if options.order > 0 or max(plan.every) > 1:
+        instances = list(range(len(plan.names)))
+        ways = {k: Way.EXTRAPOLATED if continuous(k) else Way.HELD for k in plan.links}
+        coupling = Coupling(instances, ways, options.order)
+        coupling.notes += way_notes(plan, coupling)
+        return explicit.prepare(plan, slaves, coupling)
+    table = calls(plan, slaves, explicit.early_reads(plan, set()))
     groups = [plan.links_of(i) for i in range(len(slaves))]
     notes = [f"held over each step: all {len(plan.links)} connected inputs"]
     tables = (table, feed(plan, groups), *refresh_tables(plan, table))
-    return Prepared(tables, {}, notes)
+    return Prepared(advance, tables, notes=notes)
 
 
 @macro_loop

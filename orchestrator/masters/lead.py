@@ -1,36 +1,58 @@
-"""Tables of the one-pass master: rates of inputs, tangents to ask for, ends to keep."""
+"""How inputs are led over a macro step: tables, and the moves of the compiled loop on them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numba.extending import register_jitable
 from numpy.typing import NDArray
 
-from ..coupling import Coupling, Way, drives, uncovered
+from ..coupling import Coupling, Way, interpolated
 from ..plan import Link, Plan
-from .tables import Floats, Ints, addresses
-
-References = NDArray[np.uint32]
+from . import ffi
+from .tables import Calls, Feed, Floats, Ints, References, addresses, ints, starts
+from .tangents import Target
 
 KNOWN_END, DECLARED_RATE, EXTRAPOLATED, DERIVED = range(4)
-"""Where a rate comes from: both ends, a declared rate, the last two values, a tangent's source."""
+"""Where a speed comes from: both ends, a declared rate, the last values, a tangent's source."""
+
+LINE, PARABOLA, MEAN, END = range(4)
+"""What an FMU is given of its input: the line with the parabola's mean, the parabola, the mean as a
+constant, or the known end as a constant."""
 
 
-class Rates(NamedTuple):
-    """Rates by group: `gain` times what `kind` says of a column, or of an entry of the results.
+class Leads(NamedTuple):
+    """Inputs by group: value + speed t + bend t^2 / 2, with t [s] from the step's beginning.
 
-    second: the column of a declared rate's own declared rate, or -1; `second_gain` is its factor.
+    Speed and bend are `gain` times what `kind` says of the source's `column`. rate: the column of a
+    declared rate times `rate_gain`, or the entry of a tangent's results; second: the column of its
+    own declared rate times `second_gain`, or -1. every: macro steps between two new values of the
+    column. slot: the input's place in the feed.
     """
 
     first: Ints
     kind: Ints
-    entry: Ints
+    column: Ints
     gain: Floats
+    rate: Ints
+    rate_gain: Floats
     second: Ints
     second_gain: Floats
+    every: Ints
+    shape: Ints
+    slot: Ints
+    speed: Floats
+    bend: Floats
+
+
+class Sent(NamedTuple):
+    """Input derivatives of each group, by lead and order."""
+
+    first: Ints
+    lead: Ints
     value: Floats
     value_address: Ints
     reference: References
@@ -39,300 +61,133 @@ class Rates(NamedTuple):
     order_address: Ints
 
 
-class Tangents(NamedTuple):
-    """Directional derivatives to ask for before a slave steps, and where they go.
-
-    By target slave. Seeds are constants, or the rates of `seed_group` where that is not negative.
-    Then the target's input slots get `gain` times an entry of the results.
-    """
+class Finals(NamedTuple):
+    """Inputs that do not end where they lead, by slave: set there before its outputs are read."""
 
     first: Ints
-    source: Ints
-    unknown: References
-    unknown_count: Ints
-    unknown_address: Ints
-    known: References
-    known_count: Ints
-    known_address: Ints
-    seed: Floats
-    seed_address: Ints
-    seed_group: Ints
-    result: Floats
-    result_address: Ints
-    first_slot: Ints
-    slot: Ints
-    entry: Ints
-    gain: Floats
-
-
-class Ends(NamedTuple):
-    """Inputs whose value at the end of each step is kept, by slave.
-
-    rate: entry of the slaves' rates, or -1. Terms: a partial's slot times a column's change.
-    """
-
-    first: Ints
-    slot: Ints
-    rate: Ints
-    first_term: Ints
-    term_slot: Ints
-    term_column: Ints
-
-
-class Parabolas(NamedTuple):
-    """Inputs with a second declared rate, by slave: set to the parabola's end after the step.
-
-    rate: entry of the slaves' rates; slot: of their inputs.
-    """
-
-    first: Ints
-    rate: Ints
-    slot: Ints
+    lead: Ints
     value: Floats
     value_address: Ints
     reference: References
     reference_address: Ints
 
 
+class Ends(NamedTuple):
+    """Inputs whose value at the end of each step is kept, by slave.
+
+    lead: or -1. Terms: a partial's slot times a column's change.
+    """
+
+    first: Ints
+    slot: Ints
+    lead: Ints
+    first_term: Ints
+    term_slot: Ints
+    term_column: Ints
+
+
 @dataclass
 class Lead:
-    """All tables; `known_columns` are those whose new value is used before the refresh."""
+    """One input's entry in `Leads`."""
 
-    tangents: Tangents
-    rates: Rates
-    seeds: Rates
-    parabolas: Parabolas
-    ends: Ends
-    partial_references: list[list[int]]
-    known_columns: set[int]
-
-
-@dataclass
-class _Rate:
-    kind: int
-    entry: int
-    gain: float
-    reference: int
     link: Link
+    kind: int
+    column: int
+    shape: int = LINE
+    rate: int = -1
+    rate_gain: float = 1.0
     second: int = -1
     second_gain: float = 0.0
 
 
-@dataclass
-class _Call:
-    """One directional derivative: outputs of a source along a seed of its inputs."""
-
-    source: int
-    unknowns: list[str]
-    knowns: list[Link]
-    seed: list[float]
-    seed_group: int = -1
-    first_result: int = 0
-
-
-@dataclass
-class _Target:
-    """What is gathered for one slave."""
-
-    links: list[Link]
-    partials: list[str] = field(default_factory=list)
-    calls: list[_Call] = field(default_factory=list)
-    fills: list[tuple[int, int, float]] = field(default_factory=list)  # partial, entry, gain
-    rate_entry: dict[Link, int] = field(default_factory=dict)
-
-
-def build_lead(plan: Plan, coupling: Coupling, led: Sequence[Link]) -> Lead:
-    """Tables for the ways of a coupling; `led` are the links whose ends are kept, by target."""
-    seeds: list[list[_Rate]] = []
-    results = 0
-    targets = [_Target(plan.links_of(i)) for i in range(len(plan.names))]
-    for number, target in enumerate(targets):
-        followed = [k for k in target.links if coupling.ways[k] is Way.TANGENT]
-        for source in dict.fromkeys(k.source for k in followed):
-            _gather(
-                plan, coupling, target, [k for k in followed if k.source == source], seeds, number
-            )
-        for call in target.calls:
-            call.first_result, results = results, results + len(call.unknowns)
-        _assign_results(plan, coupling, target)
-    rates = [_rates(plan, coupling, number, target) for number, target in enumerate(targets)]
-    references = [
-        [plan.descriptions[i].variables[name].reference for name in target.partials]
-        for i, target in enumerate(targets)
-    ]
-    first_slot = _starts([len(t.links) + len(t.partials) for t in targets])
-    ends, own_columns = _ends(plan, coupling, targets, rates, first_slot, led)
-    known = {r.entry for group in [*rates, *seeds] for r in group if r.kind == KNOWN_END}
-    return Lead(
-        tangents=_tangent_table(plan, targets, first_slot, results),
-        rates=_rate_table(rates),
-        seeds=_rate_table(seeds),
-        parabolas=_parabola_table(targets, rates, first_slot),
-        ends=ends,
-        partial_references=references,
-        known_columns=known | own_columns,
-    )
-
-
-def _gather(
-    plan: Plan,
-    coupling: Coupling,
-    target: _Target,
-    links: list[Link],
-    seeds: list[list[_Rate]],
-    number: int,
-) -> None:
-    """Calls of one source for the tangents of the links that it drives."""
-    wanted = {link: {t.output: t for t in coupling.tangents[link]} for link in links}
-    for own in dict.fromkeys(output for tangents in wanted.values() for output in tangents):
-        knowns = drives(plan, links[0], own)
-        asking = [link for link in links if own in wanted[link]]
-        unknowns = list(dict.fromkeys(link.output.name for link in asking))
-        target.calls.append(_Call(links[0].source, unknowns, knowns, [k.gain for k in knowns]))
-        target.partials += [wanted[link][own].partial for link in asking]
-    rest: dict[tuple[Link, ...], list[Link]] = {}
-    for link in links:
-        if moving := uncovered(plan, link, coupling.tangents[link]):
-            rest.setdefault(tuple(moving), []).append(link)
-    for others, asking in rest.items():
-        unknowns = list(dict.fromkeys(link.output.name for link in asking))
-        call = _Call(links[0].source, unknowns, list(others), [0.0] * len(others), len(seeds))
-        seeds.append([_rate(plan, coupling, k, number) for k in others])
-        target.calls.append(call)
-
-
-def _assign_results(plan: Plan, coupling: Coupling, target: _Target) -> None:
-    """Where the results of the calls go: partials of the target, or rates of its inputs."""
-    for call in target.calls:
-        entry = {name: call.first_result + n for n, name in enumerate(call.unknowns)}
+def leads_of(plan: Plan, coupling: Coupling, targets: Sequence[Target]) -> list[list[Lead]]:
+    """By slave the leads of its inputs; those by a tangent alone and the held have none."""
+    found: list[list[Lead]] = []
+    for target in targets:
+        group = []
         for link in target.links:
-            if coupling.ways[link] is not Way.TANGENT or link.source != call.source:
-                continue
-            if link.output.name not in entry:
-                continue
-            if call.seed_group >= 0:
-                target.rate_entry.setdefault(link, entry[link.output.name])
-                continue
-            for tangent in coupling.tangents[link]:
-                if tangent.output == call.knowns[0].output.name:
-                    place = target.partials.index(tangent.partial)
-                    target.fills.append((place, entry[link.output.name], link.gain))
-
-
-def _rate(plan: Plan, coupling: Coupling, link: Link, reader: int) -> _Rate:
-    """The best rate of a link that is known when `reader` is about to step."""
-    column = plan.column_of[link.source, link.output.name]
-    if link.source != reader and coupling.stepped_before(link.source, reader):
-        return _Rate(KNOWN_END, column, link.gain, link.input.reference, link)
-    if link in coupling.rates:
-        (name, factor), *second = coupling.rates[link]
-        rate = _Rate(
-            DECLARED_RATE,
-            plan.column_of[link.source, name],
-            link.gain * factor,
-            link.input.reference,
-            link,
-        )
-        for name, factor in second:
-            rate.second, rate.second_gain = plan.column_of[link.source, name], factor
-        return rate
-    return _Rate(EXTRAPOLATED, column, link.gain, link.input.reference, link)
-
-
-def _rates(plan: Plan, coupling: Coupling, number: int, target: _Target) -> list[_Rate]:
-    found = []
-    for link in target.links:
-        way = coupling.ways[link]
-        if way is Way.TANGENT and link in target.rate_entry:
-            entry = target.rate_entry[link]
-            found.append(_Rate(DERIVED, entry, link.gain, link.input.reference, link))
-        elif way not in (Way.TANGENT, Way.HELD):
-            found.append(_rate(plan, coupling, link, number))
+            way = coupling.ways[link]
+            if way is Way.TANGENT and link in target.rate_entry:
+                column = plan.column_of[link.source, link.output.name]
+                group.append(Lead(link, DERIVED, column, rate=target.rate_entry[link]))
+            elif way not in (Way.TANGENT, Way.HELD):
+                group.append(best_lead(plan, coupling, link, link.target))
+        found.append(group)
     return found
 
 
-def _ends(
-    plan: Plan,
-    coupling: Coupling,
-    targets: list[_Target],
-    rates: list[list[_Rate]],
-    first_slot: Ints,
-    led: Sequence[Link],
-) -> tuple[Ends, set[int]]:
-    numbers = {rate.link: n for n, rate in enumerate(r for group in rates for r in group)}
-    slot, rate, sizes, term_slot, term_column = [], [], [], [], []
-    for link in led:
-        target = targets[link.target]
-        slot.append(int(first_slot[link.target]) + target.links.index(link))
-        rate.append(numbers.get(link, -1))
-        terms = coupling.tangents[link] if coupling.ways[link] is Way.TANGENT else []
-        sizes.append(len(terms))
-        for tangent in terms:
-            place = len(target.links) + target.partials.index(tangent.partial)
-            term_slot.append(int(first_slot[link.target]) + place)
-            term_column.append(plan.column_of[link.target, tangent.output])
-    count = [sum(link.target == i for link in led) for i in range(len(targets))]
-    table = Ends(
-        _starts(count),
-        _ints(slot),
-        _ints(rate),
-        _starts(sizes),
-        _ints(term_slot),
-        _ints(term_column),
-    )
-    return table, set(term_column)
+def best_lead(plan: Plan, coupling: Coupling, link: Link, reader: int) -> Lead:
+    """The best lead of a link that is known when `reader` is about to step."""
+    column = plan.column_of[link.source, link.output.name]
+    target = plan.descriptions[link.target]
+    shape = LINE if interpolated(plan, link) else MEAN
+    led = coupling.ways[link] is not Way.EXTRAPOLATED and link.source != reader
+    if led and coupling.stepped_before(link.source, reader):
+        held = coupling.degree == 0 and plan.every[reader] == 1
+        return Lead(link, KNOWN_END, column, END if held else shape)
+    if link not in coupling.rates:
+        takes_parabola = shape == LINE and coupling.degree == 2 and target.input_order >= 2
+        return Lead(link, EXTRAPOLATED, column, PARABOLA if takes_parabola else shape)
+    (name, factor), *second = coupling.rates[link]
+    rate = plan.column_of[link.source, name]
+    lead = Lead(link, DECLARED_RATE, column, shape, rate, factor)
+    for name, more in second:
+        lead.second, lead.second_gain = plan.column_of[link.source, name], factor * more
+    return lead
 
 
-def _tangent_table(plan: Plan, targets: list[_Target], first_slot: Ints, results: int) -> Tangents:
-    calls = [call for target in targets for call in target.calls]
-    unknown_count = [len(call.unknowns) for call in calls]
-    known_count = [len(call.knowns) for call in calls]
-    unknown = np.array(
-        [plan.descriptions[c.source].variables[n].reference for c in calls for n in c.unknowns],
-        np.uint32,
+def lead_tables(
+    plan: Plan, groups: Sequence[Sequence[Lead]], first_slot: Ints | None = None
+) -> tuple[Leads, Sent, Finals]:
+    """Tables of groups of leads; `first_slot` is where each slave's inputs begin in the feed."""
+    flat = [lead for group in groups for lead in group]
+    slots = [-1] * len(flat)
+    if first_slot is not None:
+        at = {k: n for i in range(len(plan.names)) for n, k in enumerate(plan.links_of(i))}
+        slots = [int(first_slot[lead.link.target]) + at[lead.link] for lead in flat]
+    leads = Leads(
+        first=starts([len(group) for group in groups]),
+        kind=ints(lead.kind for lead in flat),
+        column=ints(lead.column for lead in flat),
+        gain=np.array([lead.link.gain for lead in flat], float),
+        rate=ints(lead.rate for lead in flat),
+        rate_gain=np.array([lead.rate_gain for lead in flat], float),
+        second=ints(lead.second for lead in flat),
+        second_gain=np.array([lead.second_gain for lead in flat], float),
+        every=ints(plan.every[lead.link.source] for lead in flat),
+        shape=ints(lead.shape for lead in flat),
+        slot=ints(slots),
+        speed=np.zeros(len(flat)),
+        bend=np.zeros(len(flat)),
     )
-    known = np.array([k.input.reference for call in calls for k in call.knowns], np.uint32)
-    seed = np.array([value for call in calls for value in call.seed], float)
-    result = np.zeros(results)
-    fills = [
-        (int(first_slot[i]) + len(target.links) + place, entry, gain)
-        for i, target in enumerate(targets)
-        for place, entry, gain in target.fills
+    orders = {LINE: (1,), PARABOLA: (1, 2), MEAN: (), END: ()}
+    sent = [
+        [(lead, n, o) for lead, n in numbered for o in orders[lead.shape]]
+        for numbered in _numbered(groups)
     ]
-    known_first = _starts(known_count)[:-1]
-    return Tangents(
-        first=_starts([len(target.calls) for target in targets]),
-        source=_ints(call.source for call in calls),
-        unknown=unknown,
-        unknown_count=_ints(unknown_count),
-        unknown_address=addresses(unknown, _starts(unknown_count)[:-1]),
-        known=known,
-        known_count=_ints(known_count),
-        known_address=addresses(known, known_first),
-        seed=seed,
-        seed_address=addresses(seed, known_first),
-        seed_group=_ints(call.seed_group for call in calls),
-        result=result,
-        result_address=addresses(result, [call.first_result for call in calls]),
-        first_slot=_starts([len(target.fills) for target in targets]),
-        slot=_ints(slot for slot, _, _ in fills),
-        entry=_ints(entry for _, entry, _ in fills),
-        gain=np.array([gain for _, _, gain in fills], float),
-    )
+    final = [
+        [(lead, n) for lead, n in numbered if lead.second >= 0 or lead.shape == MEAN]
+        for numbered in _numbered(groups)
+    ]
+    return leads, _sent(sent), _finals(final)
 
 
-def _rate_table(groups: Sequence[Sequence[_Rate]]) -> Rates:
-    first = _starts([len(group) for group in groups])
-    flat = [rate for group in groups for rate in group]
-    value, order = np.zeros(len(flat)), np.ones(len(flat), np.int32)
-    reference = np.array([rate.reference for rate in flat], np.uint32)
-    return Rates(
+def _numbered(groups: Sequence[Sequence[Lead]]) -> list[list[tuple[Lead, int]]]:
+    first = starts([len(group) for group in groups])
+    return [
+        [(lead, int(begin) + n) for n, lead in enumerate(group)]
+        for begin, group in zip(first, groups, strict=False)
+    ]
+
+
+def _sent(groups: Sequence[Sequence[tuple[Lead, int, int]]]) -> Sent:
+    flat = [entry for group in groups for entry in group]
+    first = starts([len(group) for group in groups])
+    value, order = np.zeros(len(flat)), np.array([o for _, _, o in flat], np.int32)
+    reference = np.array([lead.link.input.reference for lead, _, _ in flat], np.uint32)
+    return Sent(
         first=first,
-        kind=_ints(rate.kind for rate in flat),
-        entry=_ints(rate.entry for rate in flat),
-        gain=np.array([rate.gain for rate in flat], float),
-        second=_ints(rate.second for rate in flat),
-        second_gain=np.array([rate.second_gain for rate in flat], float),
+        lead=ints(n for _, n, _ in flat),
         value=value,
         value_address=addresses(value, first),
         reference=reference,
@@ -342,26 +197,14 @@ def _rate_table(groups: Sequence[Sequence[_Rate]]) -> Rates:
     )
 
 
-def _parabola_table(
-    targets: Sequence[_Target], rates: Sequence[Sequence[_Rate]], first_slot: Ints
-) -> Parabolas:
-    first_rate = _starts([len(group) for group in rates])
-    found = [
-        [
-            (int(begin) + n, int(slot) + target.links.index(rate.link), rate.reference)
-            for n, rate in enumerate(group)
-            if rate.second >= 0
-        ]
-        for group, target, begin, slot in zip(rates, targets, first_rate, first_slot, strict=False)
-    ]
-    flat = [entry for group in found for entry in group]
-    first = _starts([len(group) for group in found])
+def _finals(groups: Sequence[Sequence[tuple[Lead, int]]]) -> Finals:
+    flat = [entry for group in groups for entry in group]
+    first = starts([len(group) for group in groups])
     value = np.zeros(len(flat))
-    reference = np.array([r for _, _, r in flat], np.uint32)
-    return Parabolas(
+    reference = np.array([lead.link.input.reference for lead, _ in flat], np.uint32)
+    return Finals(
         first=first,
-        rate=_ints(rate for rate, _, _ in flat),
-        slot=_ints(slot for _, slot, _ in flat),
+        lead=ints(n for _, n in flat),
         value=value,
         value_address=addresses(value, first),
         reference=reference,
@@ -369,9 +212,135 @@ def _parabola_table(
     )
 
 
-def _starts(sizes: Sequence[int]) -> Ints:
-    return np.concatenate([[0], np.cumsum(np.asarray(sizes, np.int64), dtype=np.int64)])
+def end_table(
+    plan: Plan,
+    coupling: Coupling,
+    targets: Sequence[Target],
+    groups: Sequence[Sequence[Lead]],
+    first_slot: Ints,
+    led: Sequence[Link],
+) -> Ends:
+    """The table of the links `led`, which are sorted by target."""
+    numbers = {lead.link: n for numbered in _numbered(groups) for lead, n in numbered}
+    slot, lead, sizes, term_slot, term_column = [], [], [], [], []
+    count = [0] * len(targets)
+    for link in led:
+        target, begin = targets[link.target], int(first_slot[link.target])
+        count[link.target] += 1
+        slot.append(begin + target.links.index(link))
+        lead.append(numbers.get(link, -1))
+        terms = coupling.tangents[link] if coupling.ways[link] is Way.TANGENT else []
+        sizes.append(len(terms))
+        for tangent in terms:
+            term_slot.append(begin + len(target.links) + target.partials.index(tangent.partial))
+            term_column.append(plan.column_of[link.target, tangent.output])
+    return Ends(
+        starts(count), ints(slot), ints(lead), starts(sizes), ints(term_slot), ints(term_column)
+    )
 
 
-def _ints(values: Iterable[int]) -> Ints:
-    return np.array(list(values), np.int64)
+@register_jitable(inline="always")
+def extrapolate(
+    rows: Floats, column: int, k: int, every: int, degree: int, step: float
+) -> tuple[float, float]:
+    """Speed and bend at row k of the polynomial through the last values of a column."""
+    last = k - k % every
+    most = min(degree, last // every)
+    if most == 0:
+        return 0.0, 0.0
+    apart = every * step
+    newest, before = rows[last, column], rows[last - every, column]
+    speed, bend = newest - before, 0.0
+    if most == 2:
+        bend = speed - (before - rows[last - 2 * every, column])
+        speed += 0.5 * bend
+    speed, bend = speed / apart, bend / (apart * apart)
+    return speed + bend * (k - last) * step, bend
+
+
+@register_jitable(inline="always")
+def find_leads(
+    leads: Leads, group: int, window: int, degree: int, rows: Floats, k: int, step: float,
+    result: Floats,
+) -> None:  # fmt: skip
+    """Speeds and bends of a group over the `window` macro steps that end at row k + 1."""
+    start, length = k + 1 - window, window * step
+    for n in range(leads.first[group], leads.first[group + 1]):
+        kind, column = leads.kind[n], leads.column[n]
+        speed, bend = 0.0, 0.0
+        if kind == KNOWN_END:
+            speed = (rows[k + 1, column] - rows[start, column]) / length
+        elif kind == DERIVED:
+            speed = result[leads.rate[n]]
+        else:
+            if kind == EXTRAPOLATED:
+                speed, bend = extrapolate(rows, column, k, leads.every[n], degree, step)
+            else:
+                speed = leads.rate_gain[n] * rows[k, leads.rate[n]]
+                if leads.second[n] >= 0:
+                    bend = leads.second_gain[n] * rows[k, leads.second[n]]
+            if window > 1:  # from the value at the start straight to the end that this predicts
+                end = rows[k, column] + step * (speed + 0.5 * step * bend)
+                speed, bend = (end - rows[start, column]) / length, 0.0
+        leads.speed[n], leads.bend[n] = leads.gain[n] * speed, leads.gain[n] * bend
+
+
+@register_jitable(inline="always")
+def change(leads: Leads, n: int, length: float) -> float:
+    """Change of an input over a step of a length [s]."""
+    return length * (leads.speed[n] + 0.5 * length * leads.bend[n])
+
+
+@register_jitable(inline="always")
+def mean_change(leads: Leads, n: int, length: float) -> float:
+    """The mean over a step of an input's change."""
+    return 0.5 * length * (leads.speed[n] + length / 3.0 * leads.bend[n])
+
+
+@register_jitable(inline="always")
+def led_to(inputs: Feed, leads: Leads, n: int, length: float) -> float:
+    """The value that an input ends a step with."""
+    value = inputs.value[leads.slot[n]]
+    moved = change(leads, n, length)
+    if leads.shape[n] == MEAN:
+        return value + moved - mean_change(leads, n, length)
+    return value if leads.shape[n] == END else value + moved
+
+
+@register_jitable(inline="always")
+def lead_constants(leads: Leads, group: int, inputs: Feed, length: float) -> None:
+    """Move the inputs that are constant over a step to their mean, or to their end."""
+    for n in range(leads.first[group], leads.first[group + 1]):
+        if leads.shape[n] == MEAN:
+            inputs.value[leads.slot[n]] += mean_change(leads, n, length)
+        elif leads.shape[n] == END:
+            inputs.value[leads.slot[n]] += change(leads, n, length)
+
+
+@register_jitable(inline="always")
+def fill_sent(sent: Sent, group: int, leads: Leads, length: float) -> None:
+    """Input derivatives of a group: a line has the mean of the parabola over the step."""
+    for n in range(sent.first[group], sent.first[group + 1]):
+        lead = sent.lead[n]
+        if sent.order[n] == 2:
+            sent.value[n] = leads.bend[lead]
+        elif leads.shape[lead] == PARABOLA:
+            sent.value[n] = leads.speed[lead]
+        else:
+            sent.value[n] = leads.speed[lead] + length / 3.0 * leads.bend[lead]
+
+
+@register_jitable(inline="always")
+def send_rates(calls: Calls, slave: int, sent: Sent) -> int:
+    """Set the input derivatives of a slave; the status."""
+    count = sent.first[slave + 1] - sent.first[slave]
+    if count == 0:
+        return 0
+    return ffi.rates(
+        calls.set_rates[slave],
+        calls.instance[slave],
+        sent.reference_address[slave],
+        count,
+        sent.order_address[slave],
+        sent.value_address[slave],
+    )

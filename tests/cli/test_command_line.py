@@ -28,7 +28,15 @@ def refused(*arguments: str) -> str:
             ("--track", "fra7"),
             "there is no track 'fra7'; did you mean fra6? choose one of: report,",
         ),
-        (("--master", "gauss"), "there is no master 'gauss'; choose one of: one-pass, jacobi"),
+        (
+            ("--master", "gauss"),
+            "there is no master 'gauss'; did you mean gauss-seidel? choose one of: one-",
+        ),
+        (("--method", "newton"), "there is no method 'newton'; choose one of: broyden, iqn-ils, "),
+        (
+            ("--order", "1"),
+            "the master 'one-pass' has no option 'order'; choose jacobi, gauss-seidel, or leave",
+        ),
         (("--speed", "60"), "'60' has no unit; give a speed such as \"60 ft/s\" (units: ft/s, mph"),
         (("--speed", "0 ft/s"), "a speed of 0 ft/s cannot be run; it must be above zero"),
         (("--speed", "-5 m/s"), "a speed of -5 m/s cannot be run; it must be above zero"),

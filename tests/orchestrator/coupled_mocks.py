@@ -27,22 +27,26 @@ WHOLE = np.array(
 
 @cache
 def _exact(rows: tuple[tuple[float, ...], ...], states: int, step: float) -> np.ndarray:
-    """Exponential over a step of a linear system whose inputs are u + rate * t."""
+    """Exponential over a step of a linear system whose inputs are u + rate * t + bend * t^2 / 2."""
     matrix = np.array(rows)
     inputs = matrix.shape[1] - states
-    whole = np.zeros((states + 2 * inputs,) * 2)
+    whole = np.zeros((states + 3 * inputs,) * 2)
     whole[:states, : states + inputs] = matrix
-    whole[states : states + inputs, states + inputs :] = np.eye(inputs)
+    whole[states:-inputs, states + inputs :] = np.eye(2 * inputs)
     return expm(whole * step)[:states]
 
 
 def exact_step(rows, x, u, rate, step):
-    """State after a step of d/dt x = rows (x, u), u linear."""
-    return _exact(rows, len(x), step) @ np.concatenate([x, u, rate])
+    """State after a step of d/dt x = rows (x, u); rates as a mock gets them, of order 1 or 2."""
+    rates = np.array([np.append(r, 0.0)[:2] for r in rate])
+    return _exact(rows, len(x), step) @ np.concatenate([x, u, rates[:, 0], rates[:, 1]])
 
 
-def oscillator(*, rates: bool = True, interpolates: bool = True) -> System:
-    """Two masses; the spring between them belongs to the second. Exact inside each slave."""
+def oscillator(*, rates: bool = True, **changes) -> System:
+    """Two masses; the spring between them belongs to the second. Exact inside each slave.
+
+    changes: of both mocks.
+    """
     first = ((0.0, 1.0, 0.0), (-K1 / M1, -C1 / M1, 1.0 / M1))
     second = (
         (0.0, 1.0, 0.0, 0.0),
@@ -53,7 +57,6 @@ def oscillator(*, rates: bool = True, interpolates: bool = True) -> System:
         outputs={"x": "m", "v": "m/s", "a": "m/s2"},
         depends={"a": ("force",)},
         derivative_of={"v": "x", "a": "v"} if rates else {},
-        interpolates_inputs=interpolates,
         initial=lambda p: np.zeros(2),
         step=lambda x, u, rate, p, time, step: exact_step(
             first, x, [u["force"]], [rate["force"]], step
@@ -63,12 +66,12 @@ def oscillator(*, rates: bool = True, interpolates: bool = True) -> System:
             "v": x[1],
             "a": (u["force"] - K1 * x[0] - C1 * x[1]) / M1,
         },
+        **changes,
     )
     other = Mock(
         inputs={"x": "m", "v": "m/s"},
         outputs={"force": "N", "x2": "m"},
         depends={"force": ("x", "v")},
-        interpolates_inputs=interpolates,
         initial=lambda p: np.array([X2_START, 0.0]),
         step=lambda x, u, rate, p, time, step: exact_step(
             second, x, [u["x"], u["v"]], [rate["x"], rate["v"]], step
@@ -77,6 +80,7 @@ def oscillator(*, rates: bool = True, interpolates: bool = True) -> System:
             "force": K12 * (x[0] - u["x"]) + C12 * (x[1] - u["v"]),
             "x2": x[0],
         },
+        **changes,
     )
     return System(
         {"one": Component(one), "other": Component(other)},
@@ -165,4 +169,71 @@ def damped_mass(c: float, *, slope: float = 0.0, **changes) -> System:
             Connection("mass.v", "damper.v"),
             Connection("ground.v", "damper.ground_v"),
         ),
+    )
+
+
+def two_mass(r: float, step: float) -> System:
+    """A mass across a damper from a heavy one, r = c H / m, the damper in the heavy one's slave."""
+    heavy, stiffness, damping = 1e4, 100.0, r / step
+    first = ((0.0, 1.0, 0.0), (-K1 / M1, -C1 / M1, 1.0 / M1))
+    second = (
+        (0.0, 1.0, 0.0, 0.0),
+        (-stiffness / heavy, -damping / heavy, stiffness / heavy, damping / heavy),
+    )
+    one = Mock(
+        inputs={"force": "N"},
+        outputs={"x": "m", "v": "m/s"},
+        initial=lambda p: np.array([0.0, 1.0]),
+        step=lambda x, u, rate, p, time, step: exact_step(
+            first, x, [u["force"]], [rate["force"]], step
+        ),
+        output=lambda x, u, p: {"x": x[0], "v": x[1]},
+    )
+    other = Mock(
+        inputs={"x": "m", "v": "m/s"},
+        outputs={"force": "N"},
+        depends={"force": ("x", "v")},
+        initial=lambda p: np.zeros(2),
+        step=lambda x, u, rate, p, time, step: exact_step(
+            second, x, [u["x"], u["v"]], [rate["x"], rate["v"]], step
+        ),
+        output=lambda x, u, p: {
+            "force": stiffness * (x[0] - u["x"]) + damping * (x[1] - u["v"]),
+        },
+    )
+    return System(
+        {"one": Component(one), "other": Component(other)},
+        (
+            Connection("one.x", "other.x"),
+            Connection("one.v", "other.v"),
+            Connection("other.force", "one.force"),
+        ),
+    )
+
+
+def two_springs() -> System:
+    """preCICE's oscillator (Schueller 2022): two masses by displacements, classical Runge-Kutta."""
+    k, k12 = 4.0 * np.pi**2, 16.0 * np.pi**2
+
+    def body(start: float) -> Mock:
+        def step(x, u, rate, p, time, step):
+            def slope(t, x):
+                return np.array([x[1], k12 * (u["other"] + rate["other"] * t) - (k + k12) * x[0]])
+
+            a = slope(0.0, x)
+            b = slope(step / 2, x + step / 2 * a)
+            c = slope(step / 2, x + step / 2 * b)
+            return x + step / 6 * (a + 2 * b + 2 * c + slope(step, x + step * c))
+
+        return Mock(
+            inputs={"other": "m"},
+            outputs={"x": "m"},
+            initial=lambda p: np.array([start, 0.0]),
+            step=step,
+            output=lambda x, u, p: {"x": x[0]},
+        )
+
+    return System(
+        {"one": Component(body(1.0)), "two": Component(body(0.0))},
+        (Connection("one.x", "two.other"), Connection("two.x", "one.other")),
     )

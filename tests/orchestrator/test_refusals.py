@@ -121,7 +121,8 @@ def test_unit_that_nobody_knows():
         ({"start": float("inf")}, "a run cannot start at inf s; give a finite time"),
         (
             {"master": "one_pass"},
-            "there is no master 'one_pass'; did you mean one-pass? choose one of: one-pass, jacobi",
+            "there is no master 'one_pass'; did you mean one-pass? choose one of: one-pass, "
+            "jacobi, gauss-seidel, iterated",
         ),
         (
             {"record": ["one.x", "other.q*"]},

@@ -188,6 +188,15 @@ def test_the_motions_error_has_the_masters_order(feet_per_second, master, order)
     assert order - 0.2 < np.log2(errors[0] / errors[1]) < order + 0.2
 
 
+def test_iterated_car_follows_the_reference_with_second_order():
+    coarse, fine = (trajectory_error(60, step, "iterated") for step in (1e-3, 5e-4))
+    assert coarse < tolerances.ITERATED_MOTION
+    assert abs(np.log2(coarse / fine) - 2.0) < tolerances.COUPLING_ORDER
+    (part,) = co_simulate(60, 1e-3, "iterated").statistics.iterations
+    assert "track" not in part.names and part.slaves == 7
+    assert part.mean < 8.0
+
+
 @pytest.mark.parametrize("step", [1e-3, 2e-3, 4e-3])
 def test_one_pass_is_stable_at_20_feet_per_second(step):
     run = co_simulate(20, step, duration=12.0, track="perfect", values=yawed())
