@@ -14,6 +14,7 @@ import click
 
 from fmus.catalogue import FMI_VERSIONS
 
+from .assessment.command import assess
 from .chosen import CAR_ONLY, chosen_car, chosen_file, refuse_options, system_options
 from .errors import TracktrainError
 from .failures import Stopped, clear_errors, termination_as_interrupt
@@ -53,6 +54,7 @@ def main() -> None:
     """A freight car on irregular track, as coupled FMUs."""
 
 
+main.add_command(assess)
 main.add_command(fmu)
 main.add_command(new)
 fmu.add_command(pack)

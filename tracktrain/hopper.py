@@ -35,6 +35,15 @@ BLOCK_OF = {
 }
 """The block of each instance; the trucks' wheelsets are numbered (truck, axle)."""
 
+TRUCKS = ("truck_front", "truck_rear")
+
+WHEELSETS = {
+    (truck, axle): f"wheelset_{number}{axle}"
+    for number, truck in enumerate(TRUCKS, start=1)
+    for axle in (1, 2)
+}
+"""The wheelset of each truck's axle."""
+
 REPORT_SPEED = 18.288
 """60 ft/s [m/s], the slowest of the report's three speeds."""
 

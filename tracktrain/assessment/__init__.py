@@ -1,0 +1,79 @@
+"""Assessment of a run of the car against the limits of the field, each with its source.
+
+table = assess(run.dataset)
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .rules import NotApplicableError, Rule, from_si, rules
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from .car import Car
+
+PASSED, EXCEEDED, NO_LIMIT = "passed", "exceeded", "no limit"
+
+
+def assess(dataset: xr.Dataset) -> pd.DataFrame:
+    """What each rule of limits.toml says about a run of the hopper car, indexed by quantity.
+
+    Columns: place (of the worst value), value, limit, unit, share (of the limit; of wheel loads
+    that of the admissible unloading), result (passed, exceeded, no limit, or not applicable and
+    why), statistic, filter, window, formula, source, verified (whether the limit was read there).
+    """
+    import pandas as pd
+
+    from .car import Car
+
+    try:
+        car: Car | NotApplicableError = Car(dataset)
+    except NotApplicableError as reason:
+        car = reason
+    return pd.DataFrame([_row(car, rule) for rule in rules()]).set_index("quantity")
+
+
+def _row(car: Car | NotApplicableError, rule: Rule) -> dict[str, object]:
+    try:
+        found = _found(car, rule)
+    except NotApplicableError as reason:
+        nothing = {"place": "", "value": float("nan"), "limit": float("nan")}
+        found = {**nothing, "share": float("nan"), "result": f"not applicable: {reason}"}
+    return {
+        "quantity": rule.quantity,
+        **found,
+        "unit": rule.shown_unit,
+        "statistic": rule.statistic,
+        "filter": str(rule.band or ""),
+        "window": f"{rule.window:g~P}" if rule.window is not None else "",
+        "formula": rule.formula,
+        "source": rule.source,
+        "verified": rule.verified,
+    }
+
+
+def _found(car: Car | NotApplicableError, rule: Rule) -> dict[str, object]:
+    from .criteria import LIMITS, MEASURES
+
+    if isinstance(car, NotApplicableError):
+        raise car
+    if rule.inapplicable:
+        raise NotApplicableError(rule.inapplicable)
+    worst = min if rule.at_least else max
+    place, value = worst(MEASURES[rule.key](car, rule), key=lambda found: found[1])
+    value = from_si(float(value), rule.unit)
+    if not rule.judged:
+        return {
+            "place": place,
+            "value": value,
+            "limit": float("nan"),
+            "share": float("nan"),
+            "result": NO_LIMIT,
+        }
+    limit = from_si(LIMITS[rule.key](car), rule.unit) if rule.limit is None else rule.limit
+    share = (1 - value) / (1 - limit) if rule.at_least else value / limit
+    result = PASSED if share <= 1.0 else EXCEEDED
+    return {"place": place, "value": value, "limit": limit, "share": share, "result": result}

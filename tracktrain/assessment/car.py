@@ -1,0 +1,134 @@
+"""A run of the car as the rules see it: signals by name, filtered, in windows of time or way."""
+
+from __future__ import annotations
+
+import json
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import signal
+
+from ..hopper import WHEELSETS
+from .rules import Band, NotApplicableError, Rule
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+SIDES = ("left", "right")
+SAMPLES_PER_CYCLE = 4
+"""At the upper corner of a filter, at least."""
+
+LONG_ENOUGH = 1 - 1e-9
+"""Share of a window at which a run is as long as it, to rounding."""
+
+
+class Car:
+    """Signals of a run of the car; all of them raise NotApplicableError where the run lacks one."""
+
+    def __init__(self, dataset: xr.Dataset) -> None:
+        self._dataset = dataset
+        self.time = dataset["time"].values
+        if len(self.time) < 2:
+            raise NotApplicableError("the run has no more than one row")
+        self.rate = (len(self.time) - 1) / float(self.time[-1] - self.time[0])
+        self._parameters = json.loads(dataset.attrs.get("parameters", "{}"))
+
+    def __getitem__(self, name: str) -> Array:
+        if name not in self._dataset:
+            raise NotApplicableError(f"the run has no {name}")
+        return np.asarray(self._dataset[name].values, dtype=float)
+
+    def parameter(self, name: str) -> float:
+        """A parameter of an instance [SI]."""
+        if name not in self._parameters:
+            raise NotApplicableError(f"the run does not say {name}")
+        return float(self._parameters[name])
+
+    @cached_property
+    def distance(self) -> Array:
+        """Way run since the start [m]."""
+        way = self["track.distance"]
+        return way - way[0]
+
+    def load(self, truck: str, axle: int, side: str, rule: Rule) -> Array:
+        """Vertical force of a wheel on its rail [N]."""
+        return self.filtered(self[f"{truck}.axle[{axle}].load_{side}"], rule.band)
+
+    def lateral(self, truck: str, axle: int, side: str, rule: Rule) -> Array:
+        """Outward force of a wheel on its rail [N]."""
+        ratio = self[f"{WHEELSETS[truck, axle]}.{side}.l_over_v"]
+        load = self[f"{truck}.axle[{axle}].load_{side}"]
+        return self.filtered(ratio * load, rule.band)
+
+    def net_lateral(self, truck: str, axle: int, rule: Rule) -> Array:
+        """Lateral force of the rails on a wheelset [N]."""
+        return self.filtered(self[f"{WHEELSETS[truck, axle]}.force_y"], rule.band)
+
+    def axle_acceleration(self, truck: str, axle: int) -> Array:
+        """Lateral acceleration of a wheelset and of the side frames above it [m/s2]."""
+        return np.gradient(self[f"{truck}.axle[{axle}].vy"], 1 / self.rate)
+
+    def static_axle_load(self, truck: str) -> float:
+        """[N]"""
+        return self.parameter(f"{truck}.axle_load")
+
+    def truck_mass(self, truck: str) -> float:
+        """[kg]"""
+        masses = {"wheelset_mass": 2, "side_frame_mass": 2, "bolster_mass": 1}
+        return sum(n * self.parameter(f"{truck}.{name}") for name, n in masses.items())
+
+    def filtered(self, values: Array, band: Band | None) -> Array:
+        """The values in a band: Butterworth filters of second order, forwards and backwards."""
+        if band is None:
+            return values
+        low, high = band.low, band.high
+        if band.around:
+            middle = self._dominant(values)
+            low, high = max(middle - band.around, 0.0), middle + band.around
+        if self.rate < SAMPLES_PER_CYCLE * high:
+            raise NotApplicableError(
+                f"{self.rate:.4g} rows a second are too few for a filter at {high:.3g} Hz"
+            )
+        corners, kind = ((low, high), "bandpass") if low else (high, "lowpass")
+        sections = signal.butter(2, corners, kind, fs=self.rate, output="sos")
+        return np.asarray(
+            signal.sosfiltfilt(sections, values, padlen=min(len(values) - 1, int(self.rate)))
+        )
+
+    def windowed(self, values: Array, rule: Rule) -> tuple[Array, int]:
+        """The values at equal distances of time or way, and how many make up the rule's window."""
+        if rule.window is None:
+            return values, len(values)
+        if rule.window.check("[length]"):
+            length = float(rule.window.to("m").magnitude)
+            way = self.distance
+            extent, unit, rule_unit = float(way[-1]), "m", f"{rule.window:g~P}"
+            if extent <= 0.0:
+                raise NotApplicableError("the car stands still")
+            values = np.interp(np.linspace(0.0, extent, len(way)), way, values)
+        else:
+            length = float(rule.window.to("s").magnitude)
+            extent, unit, rule_unit = (len(values) - 1) / self.rate, "s", f"{rule.window:g~P}"
+        if extent < length * LONG_ENOUGH:
+            raise NotApplicableError(self._too_short(extent, length, unit, rule_unit))
+        return values, max(round(length / extent * (len(values) - 1)), 1)
+
+    def _too_short(self, extent: float, length: float, unit: str, window: str) -> str:
+        said = f"the window of {window} is longer than the run of {extent:.3g} {unit}"
+        if unit == "m":
+            needed = length / (extent / float(self.time[-1] - self.time[0]))
+            said += f"; at this speed it takes {np.ceil(needed):.0f} s"
+        return said
+
+    def _dominant(self, values: Array) -> float:
+        import xarray as xr
+
+        from orchestrator.metrics import dominant_frequency
+
+        found = dominant_frequency(xr.DataArray(values, {"time": self.time}, ["time"]))
+        if np.isnan(found):
+            raise NotApplicableError("nothing moves")
+        return found

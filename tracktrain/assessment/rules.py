@@ -1,0 +1,112 @@
+"""The rules of limits.toml: what is measured how, and by what it is judged."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+import pint
+
+
+class NotApplicableError(Exception):
+    """Why a rule says nothing about a run."""
+
+
+@dataclass(frozen=True)
+class Band:
+    """Frequencies that are kept [Hz]; `around`: that far from the dominant one."""
+
+    low: float = 0.0
+    high: float = 0.0
+    around: float = 0.0
+
+    def __str__(self) -> str:
+        if self.around:
+            return f"dominant ± {self.around:g} Hz"
+        return f"{self.low:g} to {self.high:g} Hz" if self.low else f"below {self.high:g} Hz"
+
+
+@dataclass(frozen=True)
+class Rule:
+    """One line of the assessment. window: in m or s; limit: in `unit`, None for a formula's."""
+
+    key: str
+    quantity: str
+    statistic: str
+    source: str
+    verified: bool
+    band: Band | None
+    window: pint.Quantity | None
+    ignored: float
+    limit: float | None
+    formula: str
+    unit: str
+    at_least: bool
+    inapplicable: str
+
+    @property
+    def judged(self) -> bool:
+        """Whether there is a limit at all."""
+        return self.limit is not None or bool(self.formula)
+
+    @property
+    def shown_unit(self) -> str:
+        return {"1": "", "g_0": "g", "m/s**2": "m/s²"}.get(self.unit, self.unit)
+
+
+@cache
+def rules() -> tuple[Rule, ...]:
+    """All rules, in their order in the file."""
+    return tuple(_rule(key, given) for key, given in _file()["rules"].items())
+
+
+@cache
+def parameter(name: str) -> float:
+    """A parameter that formulas share [SI]."""
+    given = _file()["parameters"][name]
+    return float(_quantity(given).to_base_units().magnitude)
+
+
+def to_si(value: float, unit: str) -> float:
+    """A value in SI."""
+    return float(_quantity({"value": value, "unit": unit}).to_base_units().magnitude)
+
+
+def from_si(value: float, unit: str) -> float:
+    """A value [SI] in a unit of the same dimension."""
+    return value / to_si(1.0, unit)
+
+
+def _rule(key: str, given: Mapping[str, Any]) -> Rule:
+    limit = given.get("limit", {})
+    window = given.get("window")
+    band = {name: value for name, value in given.get("band", {}).items() if name != "unit"}
+    return Rule(
+        key=key,
+        quantity=given["quantity"],
+        statistic=given["statistic"],
+        source=given["source"],
+        verified=given["verified"],
+        band=Band(**band) if band else None,
+        window=_quantity(window) if window else None,
+        ignored=to_si(**given["ignored"]) if "ignored" in given else 0.0,
+        limit=limit.get("value"),
+        formula=limit.get("formula", ""),
+        unit=limit.get("unit", "1" if "sperling" in key else "m/s**2"),
+        at_least=given.get("at_least", False),
+        inapplicable=given.get("inapplicable", ""),
+    )
+
+
+def _quantity(given: Mapping[str, Any]) -> pint.Quantity:
+    unit = "" if given["unit"] == "1" else given["unit"]
+    return pint.get_application_registry().Quantity(given["value"], unit)
+
+
+@cache
+def _file() -> dict[str, Any]:
+    return tomllib.loads((files(__package__) / "limits.toml").read_text(encoding="utf-8"))
