@@ -20,12 +20,13 @@ DESCRIPTION = "modelDescription.xml"
 
 FAILURES = ("logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal")
 
+CO_SIMULATION, MODEL_EXCHANGE = "co-simulation", "model exchange"
+
 _INTERFACES = {
-    "co-simulation": "CoSimulation",
-    "model exchange": "ModelExchange",
+    CO_SIMULATION: "CoSimulation",
+    MODEL_EXCHANGE: "ModelExchange",
     "scheduled execution": "ScheduledExecution",
 }
-
 
 KINDS = {
     "Real": "real",
@@ -121,7 +122,7 @@ class Tangent:
 
 @dataclass(frozen=True)
 class Description:
-    """An FMU for co-simulation: its variables, what it can do, and where its binary is.
+    """An FMU for one of its interfaces: its variables, what it can do, and where its binary is.
 
     failure_categories: those of the standard's log categories for what goes wrong that it has.
     arrays: shapes of those that were taken apart into elements. aliases: other names of variables.
@@ -196,9 +197,9 @@ class Contents:
         if self.version.startswith("1."):  # which has the capabilities further down
             implementation = self.root.find("Implementation")
             if implementation is None:
-                return {"model exchange": self.root.attrib}
+                return {MODEL_EXCHANGE: self.root.attrib}
             said = implementation.find(".//Capabilities")
-            return {"co-simulation": self.root.attrib | ({} if said is None else said.attrib)}
+            return {CO_SIMULATION: self.root.attrib | ({} if said is None else said.attrib)}
         found = {name: self.root.find(tag) for name, tag in _INTERFACES.items()}
         return {name: element.attrib for name, element in found.items() if element is not None}
 
@@ -240,15 +241,17 @@ class Contents:
             raise FmuError(f"'{self.path}' has a wrong modelDescription.xml: {problem}") from None
 
 
-def describe(path: Path, sizes: Mapping[str, int] | None = None) -> Description:
-    """Read an FMU's description; raises FmuError if it cannot be co-simulated on this machine.
+def describe(
+    path: Path, sizes: Mapping[str, int] | None = None, interface: str = CO_SIMULATION
+) -> Description:
+    """Read an FMU's description; raises FmuError if this machine cannot run it that way.
 
     sizes: values of structural parameters, where they are not those of the start.
     """
     path = Path(path)
     stamp = _stat(path)
     given = tuple(sorted((sizes or {}).items()))
-    return _describe(path.resolve(), stamp.st_mtime_ns, stamp.st_size, given)
+    return _describe(path.resolve(), stamp.st_mtime_ns, stamp.st_size, given, interface)
 
 
 def open_fmu(path: Path) -> Contents:
@@ -265,14 +268,14 @@ def open_fmu(path: Path) -> Contents:
         return Contents(path, archive.members, archive.xml(DESCRIPTION))
 
 
-def survey(contents: Contents) -> Description:
+def survey(contents: Contents, interface: str = CO_SIMULATION) -> Description:
     """Description of any FMU, also of one that cannot be coupled; raises FmuError if it is wrong.
 
-    It is that of co-simulation where the FMU offers more. `binary` is empty if this machine's is
-    missing.
+    It is that of another interface where the FMU does not offer this one. `binary` is empty if this
+    machine's is missing.
     """
     interfaces = contents.interfaces
-    said = interfaces.get("co-simulation") or next(iter(interfaces.values()), {})
+    said = interfaces.get(interface) or next(iter(interfaces.values()), {})
     variables = _variables(contents)
     identifier, model = said.get("modelIdentifier", ""), contents.model
     return Description(
@@ -302,7 +305,7 @@ def survey(contents: Contents) -> Description:
 
 @lru_cache(maxsize=64)
 def _describe(
-    path: Path, _modified: int, _size: int, sizes: tuple[tuple[str, int], ...]
+    path: Path, _modified: int, _size: int, sizes: tuple[tuple[str, int], ...], interface: str
 ) -> Description:
     import fmpy
 
@@ -313,10 +316,10 @@ def _describe(
         raise FmuError(
             f"'{path}' is an FMU of FMI {contents.version or '?'}; FMI 2.0 and 3.0 can be coupled"
         )
-    if "co-simulation" not in contents.interfaces:
+    if interface not in contents.interfaces:
         offered = " and ".join(contents.interfaces) or "nothing"
-        raise FmuError(f"'{path}' offers {offered} only; an FMU for co-simulation is needed")
-    description = taken_apart(survey(contents), dict(sizes))
+        raise FmuError(f"'{path}' offers {offered} only; an FMU for {interface} is needed")
+    description = taken_apart(survey(contents, interface), dict(sizes))
     if not description.binary:
         offered = ", ".join(contents.platforms)
         raise FmuError(

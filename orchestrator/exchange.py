@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import ctypes
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .description import Contents, Description, Variable, open_fmu
+from .arrays import element_names
+from .description import MODEL_EXCHANGE, Description, Variable, open_fmu
 from .errors import CouplingError, SlaveError
 from .initialize import settle
 from .mock import Mock
-from .plan import Plan
-from .slave import Fmi2Slave, Logger, Status, unzip
+from .plan import Plan, make_plan
+from .slave import Fmi2Slave, FmuSlave, Logger, Status, address_of, unzip
 from .system import System
 
 Array = NDArray[np.float64]
@@ -33,13 +34,10 @@ ITERATIONS = 100
 class Exchange:
     """What an FMU offers for model exchange. states, derivatives: names, in the vector's order."""
 
-    model_identifier: str
-    binary: str
     states: tuple[str, ...]
     derivatives: tuple[str, ...]
     indicators: int
     follows_steps: bool
-    gives_derivatives: bool
 
 
 class Model(Protocol):
@@ -71,43 +69,36 @@ class Model(Protocol):
     def directional(self, unknowns: Sequence[str], known: str) -> Array: ...
 
 
-class Fmi2Model(Fmi2Slave):
-    """An instance of an FMI 2.0 FMU for model exchange that was unzipped into `folder`."""
+class Exchanging(FmuSlave):
+    """What instances for model exchange have in common, whatever their version of FMI.
 
-    wrapper = "FMU2Model"
+    prefix, rates: of the names of C functions. update: fmpy's name for the discrete states'.
+    """
 
-    def __init__(
-        self,
-        name: str,
-        description: Description,
-        exchange: Exchange,
-        folder: Path,
-        logger: Logger | None = None,
-    ) -> None:
-        own = replace(
-            description, model_identifier=exchange.model_identifier, binary=exchange.binary
-        )
-        super().__init__(name, own, folder, logger)
+    prefix: str
+    rates: str
+    update: str
+
+    def __init__(self, exchange: Exchange, *instance: Any) -> None:
+        super().__init__(*instance)
         self.exchange = exchange
         self.x, self.rate = np.zeros(len(exchange.states)), np.zeros(len(exchange.states))
         self.indicators = np.zeros(exchange.indicators)
-        self.set_states = self._bind("SetContinuousStates", self.x)
-        self.get_states = self._bind("GetContinuousStates", self.x)
-        self.get_rates = self._bind("GetDerivatives", self.rate)
-        self.get_indicators = self._bind("GetEventIndicators", self.indicators)
+        self.set_states = self._vector("SetContinuousStates", self.x)
+        self.get_states = self._vector("GetContinuousStates", self.x)
+        self.get_rates = self._vector(self.rates, self.rate)
+        self.get_indicators = self._vector("GetEventIndicators", self.indicators)
 
     def nominals(self) -> Array:
         values = np.empty(len(self.x))
-        self._bind("GetNominalsOfContinuousStates", values)()
+        self._vector("GetNominalsOfContinuousStates", values)()
         return values
 
     def setter(self, variables: Sequence[Variable]) -> tuple[Array, Call]:
-        values = np.zeros(len(variables))
-        return values, self._bind("SetReal", values, variables)
+        return self._ports("cannot set", self.addresses.set_real, variables)
 
     def getter(self, variables: Sequence[Variable]) -> tuple[Array, Call]:
-        values = np.zeros(len(variables))
-        return values, self._bind("GetReal", values, variables)
+        return self._ports("cannot read", self.addresses.get_real, variables)
 
     def set_time(self, time: float) -> None:
         self._call(f"refused the time {time:g} s", self._fmu.setTime, time)
@@ -115,57 +106,110 @@ class Fmi2Model(Fmi2Slave):
     def completed_step(self) -> bool:
         if not self.exchange.follows_steps:
             return False
-        event, _ = self._returned("refused a completed step", self._fmu.completedIntegratorStep)
+        done = self._call("refused a completed step", self._fmu.completedIntegratorStep)
+        event, ended = done
+        self._refuse_end(ended)
         return bool(event)
 
     def enter_event_mode(self) -> None:
         self._call("refused event mode", self._fmu.enterEventMode)
 
     def new_discrete_states(self) -> bool:
-        found = self._returned("cannot update its discrete states", self._fmu.newDiscreteStates)
-        again, ended = found[:2]
-        if ended:
-            raise SlaveError(f"{self.name} ended the run{self.said()}")
+        what = "cannot update its discrete states"
+        again, ended, *_ = self._call(what, getattr(self._fmu, self.update))
+        self._refuse_end(ended)
         return bool(again)
 
     def enter_continuous_mode(self) -> None:
         self._call("refused continuous-time mode", self._fmu.enterContinuousTimeMode)
 
     def directional(self, unknowns: Sequence[str], known: str) -> Array:
-        references = [self.description.variables[name].reference for name in (*unknowns, known)]
-        return np.array(
-            self._returned(
-                f"cannot give derivatives by {known}",
-                self._fmu.getDirectionalDerivative,
-                references[:-1],
-                references[-1:],
-                [1.0],
-            )
+        from .masters import ffi
+
+        named = self.description.variables
+        references = np.array([named[name].reference for name in (*unknowns, known)], np.uint32)
+        seed, result = np.ones(1), np.empty(len(unknowns))
+        status = ffi.directional(
+            self.addresses.directional,
+            self.addresses.instance,
+            references.ctypes.data,
+            len(unknowns),
+            references[-1:].ctypes.data,
+            1,
+            seed.ctypes.data,
+            result.ctypes.data,
         )
+        if status > Status.WARNING:
+            raise SlaveError(f"{self.name}: cannot give derivatives by {known}{self.said()}")
+        return result
 
-    def _returned(self, failure: str, function: Callable[..., Any], *given: Any) -> Any:
-        found = []
-        self._call(failure, lambda: found.append(function(*given)))
-        return found[0]
+    def _refuse_end(self, ended: Any) -> None:
+        if ended:
+            raise SlaveError(f"{self.name} ended the run{self.said()}")
 
-    def _bind(self, function: str, values: Array, variables: Sequence[Variable] = ()) -> Call:
-        """The C function with its arguments made once: a right-hand side makes many small calls."""
-        places: tuple[type, ...] = (ctypes.c_void_p, ctypes.c_size_t)
+    def _vector(self, function: str, values: Array) -> Call:
+        kind = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t)
+        call = kind(address_of(self._fmu.dll, self.prefix + function))
+        given = (self._fmu.component, values.ctypes.data, len(values))
+        return self._bound(f"{function} failed", values, call, given)
+
+    def _ports(self, verb: str, function: int, variables: Sequence[Variable]) -> tuple[Array, Call]:
+        from .masters import ffi
+
+        values = np.zeros(len(variables))
         references = np.array([v.reference for v in variables], np.uint32)
-        given: list[Any] = [ctypes.c_void_p(values.ctypes.data), ctypes.c_size_t(len(values))]
-        if variables:
-            places = (ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)
-            given = [ctypes.c_void_p(references.ctypes.data), given[1], given[0]]
-        address = ctypes.cast(getattr(self._fmu.dll, f"fmi2{function}"), ctypes.c_void_p).value
-        call = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, *places)(address or 0)
-        component = ctypes.c_void_p(self._fmu.component)
+        places = (references.ctypes.data, len(values), values.ctypes.data)
+        what = f"{verb} {', '.join(v.name for v in variables)}"
+        given = (self.addresses.instance, *places)
+        return values, self._bound(what, (values, references), ffi.Reals(function), given)
 
-        def bound(keep: Any = (values, references)) -> None:
-            if len(values) and call(component, *given) > Status.WARNING:
-                names = f" of {', '.join(v.name for v in variables)}" if variables else ""
-                raise SlaveError(f"{self.name}: {function}{names} failed{self.said()}")
+    def _bound(self, failure: str, kept: Any, call: Any, given: Sequence[int]) -> Call:
+        """The C function with its arguments made once: a right-hand side makes many small calls."""
+        arguments = [kind(value) for kind, value in zip(call.argtypes, given, strict=True)]
+        count = len(kept) if isinstance(kept, np.ndarray) else len(kept[0])
+
+        def bound(keep: Any = kept) -> None:
+            if count and call(*arguments) > Status.WARNING:
+                raise SlaveError(f"{self.name}: {failure}{self.said()}")
 
         return bound
+
+
+class Fmi2Model(Exchanging, Fmi2Slave):
+    """An instance of an FMI 2.0 FMU for model exchange."""
+
+    wrapper = "FMU2Model"
+    prefix, rates, update = "fmi2", "GetDerivatives", "newDiscreteStates"
+
+
+def plan_exchange(system: System, record: Sequence[str] | None) -> Plan:
+    """The plan of a system whose FMUs are integrated as one.
+
+    Raises CouplingError naming the instances that offer no model exchange.
+    """
+    cannot = []
+    for name, component in system.components.items():
+        if component.ports is not None:
+            file = Path(str(component.fmu)).name
+            raise CouplingError(
+                f"the system cannot be integrated as one: {name} ({file}) is coupled "
+                "through a map of its ports; put an FMU there that needs none, or co-simulate"
+            )
+        if isinstance(component.fmu, Mock):
+            own = component.fmu.description
+            cannot.append(f"{name} ({own.label}, FMI {own.fmi_version})")
+            continue
+        contents = open_fmu(Path(component.fmu))
+        said = contents.interfaces.get(MODEL_EXCHANGE, {})
+        known = contents.version.startswith(("2.", "3."))
+        if not known or not contents.binary(said.get("modelIdentifier", "")):
+            cannot.append(f"{name} ({contents.path.name}, FMI {contents.version})")
+    if cannot:
+        raise CouplingError(
+            f"the system cannot be integrated as one: {', '.join(cannot)} offers no model exchange "
+            "of FMI 2.0 or 3.0 for this machine; put an FMU there that does, or co-simulate"
+        )
+    return make_plan(system, record, MODEL_EXCHANGE)
 
 
 def load_models(
@@ -176,22 +220,20 @@ def load_models(
     stop: float,
     logger: Logger | None = None,
 ) -> list[Model]:
-    """Instances of all components, initialized at `start` [s]; the stack frees them.
+    """Instances of all components of a plan for model exchange, initialized at `start` [s].
 
-    Raises CouplingError naming those that offer no model exchange.
+    The stack frees them.
     """
-    offers = _offers(system, plan)
     folder = Path(stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True)))
     unzipped: dict[Path, Path] = {}
-    models = []
-    described = zip(system.components.items(), plan.descriptions, offers, strict=True)
-    for (name, component), description, exchange in described:
-        assert not isinstance(component.fmu, Mock)
-        path = Path(component.fmu).resolve()
+    models: list[Exchanging] = []
+    described = zip(system.components.items(), plan.descriptions, strict=True)
+    for (name, component), description in described:
+        path = Path(str(component.fmu)).resolve()
         if path not in unzipped:
-            own = replace(description, binary=exchange.binary)
-            unzipped[path] = unzip(path, own, folder / str(len(unzipped)))
-        model = Fmi2Model(name, description, exchange, unzipped[path], logger)
+            unzipped[path] = unzip(path, description, folder / str(len(unzipped)))
+        exchange = _exchange(path, description)
+        model = _kind(description)(exchange, name, description, unzipped[path], logger)
         stack.callback(model.close)
         models.append(model)
     for model, values in zip(models, plan.values, strict=True):
@@ -205,48 +247,39 @@ def load_models(
     return list(models)
 
 
-def _offers(system: System, plan: Plan) -> list[Exchange]:
-    offers, cannot = [], []
-    described = zip(system.components.items(), plan.descriptions, strict=True)
-    for (name, component), description in described:
-        found = None if isinstance(component.fmu, Mock) else exchange_of(Path(component.fmu))
-        if found is not None and any(v.lane for v in description.variables.values()):
-            raise CouplingError(
-                f"the system cannot be integrated as one: {name} ({description.label}) is coupled "
-                "through a map of its ports; put an FMU there that needs none, or co-simulate"
+def _kind(description: Description) -> type[Exchanging]:
+    if description.fmi_version.startswith("2."):
+        return Fmi2Model
+    from .exchange3 import Fmi3Model  # with a compiler, which takes its time
+
+    return Fmi3Model
+
+
+def _exchange(path: Path, description: Description) -> Exchange:
+    contents = open_fmu(path)
+    said, model = contents.interfaces[MODEL_EXCHANGE], contents.model
+
+    def elements(variables: Iterable[Any]) -> tuple[str, ...]:
+        names = [description.aliases.get(v.name, v.name) for v in variables]
+        return tuple(
+            element
+            for name in names
+            for element in (
+                [name]
+                if name in description.variables
+                else element_names(name, description.arrays[name])
             )
-        if found is None:
-            cannot.append(f"{name} ({description.label}, FMI {description.fmi_version})")
-        else:
-            offers.append(found)
-    if cannot:
-        raise CouplingError(
-            f"the system cannot be integrated as one: {', '.join(cannot)} offers no model exchange "
-            "of FMI 2.0 for this machine; put an FMU there that does, or co-simulate"
         )
-    return offers
 
-
-def exchange_of(path: Path) -> Exchange | None:
-    """What an FMU offers for model exchange on this machine; None if it offers none.
-
-    Raises FmuError if it cannot be read.
-    """
-    contents: Contents = open_fmu(path)
-    said = contents.interfaces.get("model exchange")
-    if said is None or not contents.version.startswith("2."):
-        return None
-    identifier = said.get("modelIdentifier", "")
-    binary = contents.binary(identifier)
-    if not binary:
-        return None
-    rates = [unknown.variable for unknown in contents.model.derivatives]
+    rates = [unknown.variable for unknown in model.derivatives]
+    fmi3 = description.fmi_version.startswith("3.")
+    not_needed = said.get("completedIntegratorStepNotNeeded") in ("true", "1")
+    needed = said.get("needsCompletedIntegratorStep") in ("true", "1")
     return Exchange(
-        model_identifier=identifier,
-        binary=binary,
-        states=tuple(rate.derivative.name for rate in rates),
-        derivatives=tuple(rate.name for rate in rates),
-        indicators=int(contents.model.numberOfEventIndicators or 0),
-        follows_steps=said.get("completedIntegratorStepNotNeeded") not in ("true", "1"),
-        gives_derivatives=said.get("providesDirectionalDerivative") in ("true", "1"),
+        states=elements(rate.derivative for rate in rates),
+        derivatives=elements(rates),
+        indicators=len(elements(unknown.variable for unknown in model.eventIndicators))
+        if fmi3
+        else int(model.numberOfEventIndicators or 0),
+        follows_steps=needed if fmi3 else not not_needed,
     )

@@ -1,4 +1,4 @@
-"""An instance of an FMI 3.0 co-simulation FMU, called through adaptors."""
+"""An instance of an FMI 3.0 FMU, called through adaptors."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ ITERATIONS = 100
 
 
 class Fmi3Slave(FmuSlave):
-    """An instance of an FMI 3.0 FMU that was unzipped into `folder`."""
+    """An instance of an FMI 3.0 co-simulation FMU that was unzipped into `folder`."""
+
+    wrapper = "FMU3Slave"
+    """fmpy's class for it."""
 
     def __init__(
         self, name: str, description: Description, folder: Path, logger: Logger | None = None
@@ -30,7 +33,7 @@ class Fmi3Slave(FmuSlave):
         self.lanes: Lanes = Lanes(description)
         working_folder = Path.cwd()
         try:
-            self._fmu = fmi3.FMU3Slave(
+            self._fmu = getattr(fmi3, self.wrapper)(
                 guid=description.guid,
                 unzipDirectory=str(folder),
                 modelIdentifier=description.model_identifier,
@@ -41,6 +44,17 @@ class Fmi3Slave(FmuSlave):
         finally:
             os.chdir(working_folder)
         self._log = fmi3.fmi3LogMessageCallback(self._heard)
+        self._instantiate(f"{folder / 'resources'}{os.sep}")
+        if not self._fmu.component:
+            raise SlaveError(f"{name}: {description.label} cannot be instantiated{self.said()}")
+        self.addresses = self.lanes.bind(
+            self._fmu.component, lambda function: address_of(self._fmu.dll, function)
+        )
+
+    def _instantiate(self, resources: str) -> None:
+        from fmpy import fmi3
+
+        description = self.description
         self._update = fmi3.fmi3IntermediateUpdateCallback(
             adaptors.intermediate_update.address if description.interpolates_inputs else 0
         )
@@ -52,9 +66,9 @@ class Fmi3Slave(FmuSlave):
         moving = list(dict.fromkeys(moving))
         required = (fmi3.fmi3ValueReference * len(moving))(*moving)
         self._fmu.component = self._fmu.fmi3InstantiateCoSimulation(
-            name.encode(),
+            self.name.encode(),
             description.guid.encode(),
-            f"{folder / 'resources'}{os.sep}".encode(),
+            resources.encode(),
             False,
             False,
             description.has_events,
@@ -64,11 +78,6 @@ class Fmi3Slave(FmuSlave):
             self.lanes.address,
             self._log,
             self._update,
-        )
-        if not self._fmu.component:
-            raise SlaveError(f"{name}: {description.label} cannot be instantiated{self.said()}")
-        self.addresses = self.lanes.bind(
-            self._fmu.component, lambda function: address_of(self._fmu.dll, function)
         )
 
     def set_value(self, variable: Variable, value: Value) -> None:

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import CouplingError
-from .exchange import Model, load_models
+from .exchange import Model, load_models, plan_exchange
 from .monolith import Whole
-from .plan import Plan, make_plan
+from .plan import Plan
 from .slave import Logger
 from .system import System
 
@@ -55,7 +55,7 @@ def linearise(
     Raises OrchestratorError for an FMU that offers no model exchange or no directional derivatives,
     and for loops without a solution.
     """
-    plan = make_plan(system, record)
+    plan = plan_exchange(system, record)
     with ExitStack() as stack:
         models = load_models(system, plan, stack, start, start, logger)
         _check(models)
@@ -65,7 +65,7 @@ def linearise(
 
 
 def _check(models: Sequence[Model]) -> None:
-    lacking = [m.name for m in models if not m.exchange.gives_derivatives]
+    lacking = [m.name for m in models if not m.description.gives_derivatives]
     if lacking:
         raise CouplingError(
             f"the system cannot be linearised: {', '.join(lacking)} gives no directional "
@@ -80,7 +80,7 @@ def _assembled(plan: Plan, models: Sequence[Model]) -> LinearModel:
         (i, v.name)
         for i, description in enumerate(plan.descriptions)
         for v in description.inputs
-        if v.type == "Real"
+        if v.kind == "real"
         and (i, v.name) not in plan.link_of
         and v.name not in description.partials
     ]

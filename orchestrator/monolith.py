@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import CouplingError, OrchestratorError
-from .exchange import ITERATIONS, Array, Call, Model, load_models
+from .exchange import ITERATIONS, Array, Call, Model, load_models, plan_exchange
 from .feedthrough import Port, evaluation_order
 from .grid import Grid, make_grid
-from .plan import Plan, make_plan, start_values
+from .plan import Plan, start_values
 from .results import Run, Statistics, provenance
 from .slave import Logger
 from .system import System
@@ -57,13 +57,13 @@ def monolith(
     """
     begin = clock.perf_counter()
     grid, notes = make_grid(duration, sample, start)
-    plan = make_plan(system, record)
+    plan = plan_exchange(system, record)
     refuse_loops(plan)
     with ExitStack() as stack:
         models = load_models(system, plan, stack, start, grid.stop, logger)
         whole = Whole(plan, models)
         rows = np.full((grid.steps + 1, len(plan.columns)), np.nan)
-        opened = [(i, v) for i, v in plan.open_inputs if v.type == "Real"]
+        opened = [(i, v) for i, v in plan.open_inputs if v.kind == "real"]
         constant = np.array([models[i].get_reals([v])[0] for i, v in opened])
         wall_load = clock.perf_counter() - begin
         done, message = _integrate(whole, grid, tolerance, rows, progress)

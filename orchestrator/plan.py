@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from .bonds import Bond, find_bonds
-from .description import Description, Variable, describe
+from .description import CO_SIMULATION, Description, Variable, describe
 from .errors import CouplingError, ResultsError, choices
 from .feedthrough import Batch, Loop, evaluation_order
 from .links import Link, find_links
@@ -65,10 +65,13 @@ class Plan:
         return frozenset(b.instance for p in self.loops for b in self.batches[p.first : p.last])
 
 
-def make_plan(system: System, record: Sequence[str] | None = None) -> Plan:
+def make_plan(
+    system: System, record: Sequence[str] | None = None, interface: str = CO_SIMULATION
+) -> Plan:
     """Check a system and number its parts; raises OrchestratorError for what does not fit.
 
-    record: names or patterns (`*`, `?`) of the outputs to keep; None keeps all.
+    record: names or patterns (`*`, `?`) of the outputs to keep; None keeps all. interface: for
+    which the FMUs are to run.
     """
     names = list(system.components)
     if not names:
@@ -76,7 +79,9 @@ def make_plan(system: System, record: Sequence[str] | None = None) -> Plan:
     for name in names:
         if not name or "." in name:
             raise CouplingError(f"'{name}' cannot name an instance: it is empty or has a dot")
-    descriptions = [component_description(name, c) for name, c in system.components.items()]
+    descriptions = [
+        component_description(name, c, interface) for name, c in system.components.items()
+    ]
     _check_single_instances(names, descriptions)
     every = [_every(name, component.every) for name, component in system.components.items()]
     notes = list(system.notes)
@@ -144,19 +149,21 @@ def make_plan(system: System, record: Sequence[str] | None = None) -> Plan:
     return replace(plan, bonds=measured)
 
 
-def component_description(name: str, component: Component) -> Description:
+def component_description(
+    name: str, component: Component, interface: str = CO_SIMULATION
+) -> Description:
     """What an FMU says of itself, its arrays as large as the component's values make them."""
     if isinstance(component.fmu, Mock):
         if component.ports is not None:
             raise CouplingError(f"{name} is a mock, which takes no port map; name its ports so")
         return component.fmu.description
-    found = describe(component.fmu)
+    found = describe(component.fmu, interface=interface)
     sizes: dict[str, int] = {}
     for parameter, value in component.parameters.items():
         variable = found.find(parameter)
         if variable is not None and variable.causality == "structuralParameter":
             sizes |= {v.name: int(str(n)) for v, n in resolve(name, found, parameter, value)}
-    described = describe(component.fmu, sizes) if sizes else found
+    described = describe(component.fmu, sizes, interface) if sizes else found
     return component.ports.applied(described) if component.ports else described
 
 

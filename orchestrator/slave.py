@@ -413,8 +413,8 @@ def own_value(variable: Variable, value: Value) -> Value:
 
 
 def address_of(library: ctypes.CDLL, function: str) -> int:
-    """Address of a function of a loaded library."""
-    return ctypes.cast(getattr(library, function), ctypes.c_void_p).value or 0
+    """Address of a function of a loaded library; 0 if it has none of this name."""
+    return ctypes.cast(getattr(library, function, 0), ctypes.c_void_p).value or 0
 
 
 def unzip(path: Path, description: Description, folder: Path) -> Path:

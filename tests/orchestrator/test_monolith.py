@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import zipfile
+from pathlib import Path
+from xml.etree import ElementTree
+
 import numpy as np
 import pytest
 import tolerances
@@ -18,6 +22,7 @@ from orchestrator import (
     System,
     linearise,
     monolith,
+    simulate,
 )
 
 
@@ -40,9 +45,38 @@ def test_who_offers_no_model_exchange_is_named(tmp_path):
     message = refusal(monolith, stepped, duration=1.0)
     assert message == (
         "the system cannot be integrated as one: mass (mass.fmu, FMI 2.0) offers no model exchange "
-        "of FMI 2.0 for this machine; put an FMU there that does, or co-simulate"
+        "of FMI 2.0 or 3.0 for this machine; put an FMU there that does, or co-simulate"
     )
     assert "offers no model exchange" in refusal(linearise, oscillator())
+
+
+@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
+def test_an_fmu_that_offers_model_exchange_alone_is_enough(tmp_path, fmi):
+    whole = fmu_path("truck", fmi)
+    lone = without_co_simulation(whole, tmp_path / "lone.fmu")
+    values = {"axle[1].force_y": 2e4, "initial.warp_rate": 0.4}
+    runs = [
+        monolith(System({"truck": Component(fmu, values)}), duration=0.05) for fmu in (whole, lone)
+    ]
+    assert runs[1].completed, runs[1].message
+    for name in runs[0].dataset:
+        assert np.array_equal(runs[0].dataset[name], runs[1].dataset[name]), name
+    slopes = [linearise(System({"truck": Component(fmu, values)})).a for fmu in (whole, lone)]
+    assert np.array_equal(*slopes)
+    message = refusal(simulate, System({"truck": Component(lone)}), duration=1.0)
+    assert "offers model exchange only; an FMU for co-simulation is needed" in message
+
+
+def without_co_simulation(fmu: Path, target: Path) -> Path:
+    with zipfile.ZipFile(fmu) as whole, zipfile.ZipFile(target, "w") as archive:
+        for name in whole.namelist():
+            content = whole.read(name)
+            if name == "modelDescription.xml":
+                description = ElementTree.fromstring(content)
+                description.remove(description.find("CoSimulation"))
+                content = ElementTree.tostring(description)
+            archive.writestr(name, content)
+    return target
 
 
 def test_a_port_map_is_refused_by_the_instance_that_has_it():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import tolerances
@@ -10,8 +12,9 @@ from reference.car_data import EMPTY, FOOT, LOADED, REPORT_LINEAR
 from reference.integration import integrate
 from reference.monolithic_car import MonolithicCar
 
+from fmus.catalogue import fmu_path
 from orchestrator import linearise, monolith, simulate
-from tracktrain.hopper import hopper_car
+from tracktrain.hopper import BLOCK_OF, hopper_car
 
 DATA = {"loaded": LOADED, "empty": EMPTY, "report-linear": REPORT_LINEAR}
 
@@ -116,3 +119,24 @@ def test_co_simulation_converges_to_its_twin(struck):
         found = recorded.axle_lateral(simulate(system, duration=0.6, step=step).dataset)
         errors.append(relative_rms(found[:: round(1e-3 / step)], exact))
     assert errors[1] < errors[0] / 4
+
+
+@pytest.mark.parametrize("in_fmi3", [tuple(BLOCK_OF), tuple(BLOCK_OF)[::2]], ids=["all", "mixed"])
+def test_fmus_of_fmi_3_have_the_same_exponents_and_the_same_motion_to_the_last_bit(in_fmi3):
+    """Their states are elements of arrays, of which each derivative asks for all."""
+    car = hopper_car(track="fra4").with_value("truck_front.initial.bolster_lateral_rate", 0.6)
+    components = {
+        name: replace(component, fmu=fmu_path(BLOCK_OF[name], "3.0" if name in in_fmi3 else "2.0"))
+        for name, component in car.components.items()
+    }
+    newer = replace(car, components=components)
+    one, other = (linearise(system, record=["*.force_y"]) for system in (car, newer))
+    assert other.eigenvalues() == pytest.approx(one.eigenvalues(), rel=1e-12, abs=1e-12)
+    assert other.outputs == one.outputs
+    for name in ("c", "d"):
+        assert np.array_equal(getattr(one, name), getattr(other, name))
+    one, other = (monolith(system, duration=0.3) for system in (car, newer))
+    assert one.completed and other.completed, (one.message, other.message)
+    assert one.notes[-1] == other.notes[-1]  # evaluations and events
+    for name in one.dataset:
+        assert np.array_equal(one.dataset[name], other.dataset[name]), name
