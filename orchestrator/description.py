@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 
 from .archive import open_archive
 from .errors import FmuError, choices
-from .units import BaseUnit, Definitions
+from .units import Definitions, definitions
 
 DESCRIPTION = "modelDescription.xml"
 
@@ -290,7 +290,7 @@ def survey(contents: Contents, interface: str = CO_SIMULATION) -> Description:
         single_instance=_is_true(said, "canBeInstantiatedOnlyOncePerProcess"),
         serializes_state=_is_true(said, "canSerializeFMUstate", "canSerializeFMUState"),
         tangents=_tangents(contents.path, contents.root, variables),
-        units=_units(model),
+        units=definitions(model),
         fmi_version=contents.version,
         guid=model.guid or "",
         model_identifier=identifier,
@@ -421,18 +421,6 @@ def _variable(read: Any, dependencies: frozenset[str] | None, names: Mapping[int
         ),
         clocked=bool(read.clocks) and read.type != "Clock",
     )
-
-
-def _units(read: Any) -> dict[str, BaseUnit]:
-    return {
-        unit.name: BaseUnit(
-            {k: getattr(unit.baseUnit, k) for k in ("kg", "m", "s", "A", "K", "mol", "cd", "rad")},
-            unit.baseUnit.factor,
-            unit.baseUnit.offset,
-        )
-        for unit in read.unitDefinitions
-        if unit.baseUnit is not None
-    }
 
 
 def _tangents(path: Path, root: Any, variables: Mapping[str, Variable]) -> tuple[Tangent, ...]:

@@ -69,6 +69,19 @@ class BaseUnit:
 Definitions = Mapping[str, BaseUnit]
 
 
+def definitions(read: Any) -> dict[str, BaseUnit]:
+    """Units that a model description defines, as fmpy reads it."""
+    return {
+        unit.name: BaseUnit(
+            {k: getattr(unit.baseUnit, k) for k in ("kg", "m", "s", "A", "K", "mol", "cd", "rad")},
+            unit.baseUnit.factor,
+            unit.baseUnit.offset,
+        )
+        for unit in read.unitDefinitions
+        if unit.baseUnit is not None
+    }
+
+
 def scale_of(unit: str, definitions: Definitions | None = None) -> Scale:
     """Scale of a unit as its file defines it, else as FMI or pint writes it; raises UnitError."""
     if definitions and unit in definitions:
