@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -124,6 +125,10 @@ class Fmi3Slave(FmuSlave):
             self._call("cannot leave event mode", self._iterate)
             self._call("cannot enter step mode", self._fmu.enterStepMode)
         self.lanes.begin_stepping()
+
+    def free_state(self, handle: int) -> None:
+        if handle:
+            self._fmu.freeFMUState(ctypes.c_void_p(handle))
 
     def _serialized(self) -> bytes:
         held = self._call("cannot save its state", self._fmu.getFMUState)

@@ -31,10 +31,14 @@ FUNCTIONS = {
         "do_step": "fmi2DoStep",
         "set_rates": "fmi2SetRealInputDerivatives",
         "directional": "fmi2GetDirectionalDerivative",
+        "get_state": "fmi2GetFMUstate",
+        "set_state": "fmi2SetFMUstate",
     },
     3: {
         "do_step": "fmi3DoStep",
         "directional": "fmi3GetDirectionalDerivative",
+        "get_state": "fmi3GetFMUState",
+        "set_state": "fmi3SetFMUState",
         "enter_event": "fmi3EnterEventMode",
         "update_discrete": "fmi3UpdateDiscreteStates",
         "enter_step": "fmi3EnterStepMode",
@@ -91,17 +95,14 @@ class Lanes:
             assert v.lane is not None
             row["lane"] = v.reference
             row["source"] = description.variables[v.lane.difference_of].reference
-        self._references = np.zeros(count, np.uint32)
+        self._references = np.full(count, -1, np.int64)
         for v in own:
-            self._references[v.reference] = v.value_reference
-        plain = all(v.lane.size == 1 and (v.lane.gain, v.lane.offset) == (1.0, 0.0) for v in own)  # type: ignore[union-attr]
+            if _is_double(v, description):
+                self._references[v.reference] = v.value_reference
         self._head = head = np.zeros(1, memory.HEAD)
         elements = sum(stored)
         fields = {
             "version": version,
-            "plain": int(
-                plain and not made and version == 3 and [k[0] for k in self._kinds] == ["f8"]
-            ),
             "lanes": self._lane.ctypes.data,
             "variables": self._variable.ctypes.data,
             "kinds": self._kind.ctypes.data,
@@ -134,6 +135,8 @@ class Lanes:
             self._head[field] = function(name)
         for row, (_, getter, setter, _, _) in zip(self._kind, self._kinds, strict=True):
             row["get"], row["set"] = function(getter), function(setter)
+            if row["type"] == 0:
+                self._head["get_double"], self._head["set_double"] = row["get"], row["set"]
         return Addresses(
             self.address,
             adaptors.set_.address,
@@ -141,6 +144,8 @@ class Lanes:
             adaptors.do_step.address,
             adaptors.set_rates.address,
             adaptors.directional.address,
+            adaptors.get_state.address,
+            adaptors.set_state.address,
         )
 
     def begin_stepping(self) -> None:
@@ -206,6 +211,15 @@ class Lanes:
     def _room(self, size: int, kind: Any) -> int:
         self._kept.append(np.zeros(max(size, 1), kind))
         return self._kept[-1].ctypes.data
+
+
+def _is_double(variable: Variable, description: Description) -> bool:
+    """Whether a lane can go to and from the FMU as it is."""
+    lane = variable.lane
+    assert lane is not None
+    discrete = description.has_events and variable.variability != "continuous"
+    changed = (lane.size, lane.gain, lane.offset) != (1, 1.0, 0.0)
+    return variable.type in ("Real", "Float64") and not (changed or discrete)
 
 
 def _kind(variable: Variable, version: int) -> tuple[str, str, str, float, float]:

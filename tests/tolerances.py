@@ -247,3 +247,6 @@ WEIGHTING_FILTER = 0.02
 
 BAND_PASS_ENDS = 0.06
 """Largest rms of a sinusoid in 0.5 to 10 Hz: 5 % too large where the filter starts at its crest."""
+
+ITERATED_VERSIONS = 1e-5
+"""The same where steps are repeated until they agree to 1e-8 of each unknown."""

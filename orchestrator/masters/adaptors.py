@@ -9,208 +9,27 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 from numba import carray, cfunc, int32
 from numba.extending import register_jitable
 
 from .compiled import kept
-from .ffi import _call as call
-from .memory import (
-    DIFFERENCE,
-    EXACT,
-    F8,
-    HEAD,
-    I8,
-    KIND,
-    LANE,
-    U1,
-    U4,
-    VARIABLE,
-    load,
-    pointer,
-    save,
+from .exchange import (
+    DISCARD,
+    ERROR,
+    STUCK,
+    get_lanes,
+    head_of,
+    set_lanes,
+    update_discrete,
 )
+from .ffi import _call as call
+from .memory import DIFFERENCE, F8, LANE, U1, U4, VARIABLE, pointer
 
-OK, DISCARD, ERROR = 0, 2, 3
-STUCK = 100
-"""Early returns and event iterations without progress after which an FMU is given up."""
+OK = 0
 
 DIFFERENCE_SIZE = DIFFERENCE.itemsize
 _FIELDS: Any = DIFFERENCE.fields
 SOURCE_AT, VALUE_AT = (_FIELDS[name][1] for name in ("source", "value"))
-
-
-@register_jitable
-def _head(instance):
-    return carray(pointer(instance), 1, HEAD)[0]
-
-
-@register_jitable
-def _ask(head, number):
-    """Have a variable in the next call of its kind's function; whether it was not there yet."""
-    variable = carray(pointer(head.variables), number + 1, VARIABLE)[number]
-    if variable.stamp == head.stamp:
-        return False
-    kind = carray(pointer(head.kinds), variable.kind + 1, KIND)[variable.kind]
-    variable.stamp = head.stamp
-    variable.position = kind.used
-    carray(pointer(kind.references), kind.count + 1, U4)[kind.count] = variable.reference
-    kind.count += 1
-    kind.used += variable.size
-    return True
-
-
-@register_jitable
-def _transfer(head, setting):
-    """Call the functions of all kinds that were asked for; the status."""
-    kinds = carray(pointer(head.kinds), head.kind_count, KIND)
-    worst = 0
-    for n in range(head.kind_count):
-        kind = kinds[n]
-        if kind.count > 0:
-            function = kind.set if setting else kind.get
-            if head.version == 2:
-                arguments = (head.instance, kind.references, kind.count, kind.buffer)
-                status = call(function, arguments)
-            else:
-                status = call(
-                    function,
-                    (head.instance, kind.references, kind.count, kind.buffer, kind.used),
-                )
-            worst = max(worst, status)
-        kind.count = 0
-        kind.used = 0
-    return worst
-
-
-@register_jitable
-def _get(head, references, count, values):
-    lane_of = carray(pointer(references), count, U4)
-    value = carray(pointer(values), count, F8)
-    if head.plain:
-        plain = carray(pointer(head.references), count, U4)
-        request = carray(pointer(head.request), count, U4)
-        for i in range(count):
-            request[i] = plain[lane_of[i]]
-        return call(
-            carray(pointer(head.kinds), 1, KIND)[0].get,
-            (head.instance, head.request, count, values, count),
-        )
-    lanes = carray(pointer(head.lanes), 1, LANE)
-    variables = carray(pointer(head.variables), 1, VARIABLE)
-    kinds = carray(pointer(head.kinds), 1, KIND)
-    head.stamp += 1
-    for i in range(count):
-        number = lanes[lane_of[i]].variable
-        if number >= 0:
-            _ask(head, number)
-    status = _transfer(head, False)
-    for i in range(count):
-        lane = lanes[lane_of[i]]
-        if lane.variable < 0:
-            value[i] = lane.value
-            continue
-        variable = variables[lane.variable]
-        kind = kinds[variable.kind]
-        found = load(kind.type, kind.buffer, variable.position + lane.element)
-        if kind.type >= 8 and abs(found) > EXACT:
-            head.rounded = lane_of[i]
-        value[i] = lane.gain * found + lane.offset
-    return status
-
-
-@register_jitable
-def _update_discrete(head):
-    """The event iteration of FMI 3.0, from event mode back to step mode; the status."""
-    flags = head.flags
-    for _ in range(STUCK):
-        status = call(
-            head.update_discrete,
-            (head.instance, flags, flags + 1, flags + 2, flags + 3, flags + 4, flags + 8),
-        )
-        if status > 1:
-            return status
-        said = carray(pointer(flags), 2, U1)
-        if said[1]:
-            head.ended = 1
-            return DISCARD
-        if not said[0]:
-            return call(head.enter_step, (head.instance,))
-    return ERROR
-
-
-@register_jitable
-def _set(head, references, count, values):
-    lane_of = carray(pointer(references), count, U4)
-    value = carray(pointer(values), count, F8)
-    if head.plain:
-        plain = carray(pointer(head.references), count, U4)
-        request = carray(pointer(head.request), count, U4)
-        for i in range(count):
-            request[i] = plain[lane_of[i]]
-        return call(
-            carray(pointer(head.kinds), 1, KIND)[0].set,
-            (head.instance, head.request, count, values, count),
-        )
-    lanes = carray(pointer(head.lanes), 1, LANE)
-    variables = carray(pointer(head.variables), 1, VARIABLE)
-    kinds = carray(pointer(head.kinds), 1, KIND)
-    touched = carray(pointer(head.touched), 1, I8)
-    head.stamp += 1
-    number, event = 0, False
-    for i in range(count):
-        lane = lanes[lane_of[i]]
-        variable = variables[lane.variable]
-        kind = kinds[variable.kind]
-        given = value[i]
-        if lane.gain != 1.0 or lane.offset != 0.0:
-            given = (given - lane.offset) / lane.gain
-        if kind.type > 1 and not (kind.low <= given <= kind.high and given == np.floor(given)):
-            head.refused = lane_of[i]
-            head.refused_value = given
-            _transfer_nothing(head)
-            return ERROR
-        place = variable.first + lane.element
-        if head.event_mode and head.stepping and variable.discrete:
-            if load(kind.type, kind.store, place) == given:
-                continue
-            event = True
-        save(kind.type, kind.store, place, given)
-        if _ask(head, lane.variable):
-            touched[number] = lane.variable
-            number += 1
-    for i in range(number):
-        variable = variables[touched[i]]
-        kind = kinds[variable.kind]
-        for n in range(variable.size):
-            stored = load(kind.type, kind.store, variable.first + n)
-            if kind.type >= 8:  # the last bits of a large number stay
-                _copy_whole(kind, variable.first + n, variable.position + n)
-            else:
-                save(kind.type, kind.buffer, variable.position + n, stored)
-    if event:
-        status = call(head.enter_event, (head.instance,))
-        if status > 1:
-            _transfer_nothing(head)
-            return status
-    status = _transfer(head, True)
-    if event and status <= 1:
-        status = max(status, _update_discrete(head))
-    return status
-
-
-@register_jitable
-def _copy_whole(kind, source, target):
-    stored = carray(pointer(kind.store), source + 1, I8)
-    carray(pointer(kind.buffer), target + 1, I8)[target] = stored[source]
-
-
-@register_jitable
-def _transfer_nothing(head):
-    kinds = carray(pointer(head.kinds), head.kind_count, KIND)
-    for n in range(head.kind_count):
-        kinds[n].count = 0
-        kinds[n].used = 0
 
 
 @register_jitable
@@ -222,7 +41,7 @@ def _move(head, time):
     for i in range(head.moving_count):
         lane = lanes[lane_of[i]]
         value[i] = lane.value + lane.rate * (time - head.start)
-    return _set(head, head.moving, head.moving_count, head.moving_value)
+    return set_lanes(head, head.moving, head.moving_count, head.moving_value)
 
 
 @register_jitable
@@ -249,7 +68,7 @@ def _advance(head, time, step, no_return):
         if event and head.event_mode:
             status = call(head.enter_event, (head.instance,))
             if status <= 1:
-                status = _update_discrete(head)
+                status = update_discrete(head)
             if status > 1:
                 return status
         if not early or reached >= end - 1e-12 * step:
@@ -283,7 +102,7 @@ def _look(head, time, newest):
         if d.count > 0 and abs(d.t2 - time) <= 1e-9 * abs(d.t2 - d.t1):
             continue
         place = head.differences + n * DIFFERENCE_SIZE
-        worst = max(worst, _get(head, place + SOURCE_AT, 1, place + VALUE_AT))
+        worst = max(worst, get_lanes(head, place + SOURCE_AT, 1, place + VALUE_AT))
         d.t0, d.y0, d.t1, d.y1, d.t2, d.y2 = d.t1, d.y1, d.t2, d.y2, time, d.value
         d.count = min(d.count + 1, 3)
         if newest and d.count > 1:
@@ -326,26 +145,26 @@ def _compiled(signature: str) -> Any:
 @_compiled("int32(int64, int64, int64, int64)")
 def get(instance, references, count, values):
     """fmi2GetReal over lanes."""
-    return int32(_get(_head(instance), references, count, values))
+    return int32(get_lanes(head_of(instance), references, count, values))
 
 
 @_compiled("int32(int64, int64, int64, int64)")
 def set_(instance, references, count, values):
     """fmi2SetReal over lanes."""
-    head = _head(instance)
+    head = head_of(instance)
     if head.interpolates:
         lanes = carray(pointer(head.lanes), 1, LANE)
         lane_of = carray(pointer(references), count, U4)
         value = carray(pointer(values), count, F8)
         for i in range(count):
             lanes[lane_of[i]].value = value[i]
-    return int32(_set(head, references, count, values))
+    return int32(set_lanes(head, references, count, values))
 
 
 @_compiled("int32(int64, int64, int64, int64, int64)")
 def set_rates(instance, references, count, orders, values):
     """fmi2SetRealInputDerivatives over lanes; all orders are 1."""
-    head = _head(instance)
+    head = head_of(instance)
     lanes = carray(pointer(head.lanes), 1, LANE)
     variables = carray(pointer(head.variables), 1, VARIABLE)
     lane_of = carray(pointer(references), count, U4)
@@ -368,7 +187,7 @@ def set_rates(instance, references, count, orders, values):
 @_compiled("int32(int64, float64, float64, int32)")
 def do_step(instance, time, step, no_return):
     """fmi2DoStep of any instance."""
-    head = _head(instance)
+    head = head_of(instance)
     if head.difference_count > 0:
         status = _look(head, time, False)
         if status > 1:
@@ -385,7 +204,7 @@ def do_step(instance, time, step, no_return):
 @_compiled("int32(int64, int64, int64, int64, int64, int64, int64)")
 def directional(instance, unknowns, unknown_count, knowns, known_count, seed, result):
     """fmi2GetDirectionalDerivative over lanes."""
-    head = _head(instance)
+    head = head_of(instance)
     lanes = carray(pointer(head.lanes), 1, LANE)
     variables = carray(pointer(head.variables), 1, VARIABLE)
     lane_of = carray(pointer(knowns), known_count, U4)
@@ -423,12 +242,28 @@ def directional(instance, unknowns, unknown_count, knowns, known_count, seed, re
     return int32(status)
 
 
+@_compiled("int32(int64, int64)")
+def get_state(instance, state):
+    """fmi2GetFMUstate of any instance."""
+    head = head_of(instance)
+    return call(head.get_state, (head.instance, state))
+
+
+@_compiled("int32(int64, int64)")
+def set_state(instance, state):
+    """fmi2SetFMUstate of any instance."""
+    head = head_of(instance)
+    head.went_back = 1
+    head.moving_count = 0
+    return call(head.set_state, (head.instance, state))
+
+
 @_compiled("void(int64, float64, uint8, uint8, uint8, uint8, int64, int64)")
 def intermediate_update(
     environment, time, may_set, may_get, finished, may_return, early_return, early_time
 ):
     """FMI 3.0's callback within a step: inputs that vary linearly are brought to `time`."""
-    head = _head(environment)
+    head = head_of(environment)
     if early_return:
         carray(pointer(early_return), 1, U1)[0] = 0
     if may_set and head.moving_count > 0:

@@ -59,20 +59,21 @@ source: lane whose rate it is. value: what was read of it.
 """
 
 HEAD = _record(
-    instance="i8", version="i8", plain="i8", stepping="i8",
+    instance="i8", version="i8", stepping="i8",
     lanes="i8", variables="i8", kinds="i8", kind_count="i8", stamp="i8",
-    references="i8", request="i8", touched="i8",
-    do_step="i8", set_rates="i8", directional="i8",
+    references="i8", request="i8", touched="i8", get_double="i8", set_double="i8",
+    do_step="i8", set_rates="i8", directional="i8", get_state="i8", set_state="i8",
     event_mode="i8", enter_event="i8", update_discrete="i8", enter_step="i8", flags="i8",
     interpolates="i8", moving="i8", moving_count="i8", moving_value="i8", start="f8",
     differences="i8", difference_count="i8",
     unknowns="i8", knowns="i8", seed="i8", result="i8",
-    ended="i8", refused="i8", refused_value="f8", rounded="i8",
+    went_back="i8", ended="i8", refused="i8", refused_value="f8", rounded="i8",
 )  # fmt: skip
 """What an adaptor's `instance` points to.
 
-plain: all lanes are doubles of the FMU, and `references` has their value references. refused,
-rounded: lanes whose value did not fit, or -1.
+went_back: the state was set back, so that what the FMU has of its inputs is not known. references:
+of lanes that are doubles of the FMU and nothing else, -1 of others. refused, rounded: lanes whose
+value did not fit, or -1.
 """
 
 
