@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from .bonds import BondResidual
 from .description import Variable
-from .results_file import NAME, ResultsFile, described
+from .results_file import NAME, STOPPED, ResultsFile, described
 from .texts import Changes, write_texts
+from .trust.verdict import Evidence, Verdict, judge
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -70,6 +71,12 @@ class Run:
     notes: list[str] = field(default_factory=list)
     path: Path | None = None
     texts: Changes = field(default_factory=dict)
+    evidence: Evidence = field(default_factory=Evidence)
+
+    @property
+    def verdict(self) -> Verdict:
+        """How far the answer can be trusted, why, and what to do."""
+        return judge(self.message, self.bonds, self.evidence)
 
     @property
     def real_time_factor(self) -> float:
@@ -99,7 +106,7 @@ class Run:
             file = ResultsFile.create(path, self.variables, self.attributes)
             for block in self._blocks():
                 file.append(block)
-            file.finish(self.message)
+            file.finish({STOPPED: self.message})
             write_texts(self.texts, path.parent)
         return path
 

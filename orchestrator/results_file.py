@@ -26,6 +26,9 @@ NAME = "results.nc"
 STOPPED = "stopped"
 """Attribute with the reason of a run that did not reach its end."""
 
+VERDICT = "verdict"
+"""Attribute with what is to be thought of a run."""
+
 UNFINISHED = "killed, or still running: what was computed after the last row is lost"
 """That reason until another one is known."""
 
@@ -83,7 +86,7 @@ class ResultsFile:
                 raise ResultsError(f"'{path}' is shorter than its checkpoint says; run anew")
             file = cls(path, first_row, width)
             file.cut(rows)
-            file.say(UNFINISHED)
+            file.say({STOPPED: UNFINISHED})
             return file
         except OSError as error:
             raise ResultsError(
@@ -116,19 +119,19 @@ class ResultsFile:
         """Wait until everything is on the disk."""
         os.fsync(self._stream.fileno())
 
-    def finish(self, reason: str | None) -> None:
-        """Say why the run stopped, or that it did not, and close."""
-        self.say(reason)
+    def finish(self, said: Mapping[str, str | None]) -> None:
+        """Have the header say this, and close."""
+        self.say(said)
         self.close()
 
-    def say(self, reason: str | None) -> None:
-        """Have the header give a reason for the end of the rows, or none."""
+    def say(self, said: Mapping[str, str | None]) -> None:
+        """Have attributes in the header say this, or be gone."""
         self._stream.seek(0)
         header = self._stream.read(self.first_row)
         with tempfile.TemporaryDirectory() as folder:
             copy = Path(folder) / NAME
             copy.write_bytes(_counting(header, 0))
-            _set_reason(copy, None if reason is None else reason[: ROOM // 8])
+            _set(copy, said)
             changed = copy.read_bytes()[: self.first_row]
         self._stream.seek(0)
         self._stream.write(_counting(changed, self.rows))
@@ -186,14 +189,15 @@ def _counting(header: bytes, rows: int) -> bytes:
     return header[:_ROW_COUNT] + rows.to_bytes(4, "big") + header[_ROW_COUNT + 4 :]
 
 
-def _set_reason(path: Path, reason: str | None) -> None:
+def _set(path: Path, said: Mapping[str, str | None]) -> None:
     import netCDF4
 
     with netCDF4.Dataset(path, "r+") as dataset:
-        if reason is not None:
-            dataset.setncattr(STOPPED, reason)
-        elif STOPPED in dataset.ncattrs():
-            dataset.delncattr(STOPPED)
+        for name, text in said.items():
+            if text is not None:
+                dataset.setncattr(name, text[: ROOM // 8])
+            elif name in dataset.ncattrs():
+                dataset.delncattr(name)
 
 
 def described(variable: Variable) -> dict[str, Any]:

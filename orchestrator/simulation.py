@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,11 +21,13 @@ from .mock import Mock
 from .plan import make_plan, start_values
 from .results import Run, Statistics, provenance
 from .results_file import NAME as RESULTS
-from .results_file import STOPPED, ResultsFile
+from .results_file import STOPPED, VERDICT, ResultsFile
 from .session import Session
 from .slave import Logger
 from .system import Experiment, System
 from .texts import Texts
+from .trust.tested import self_tests
+from .trust.verdict import Evidence, judge
 
 if TYPE_CHECKING:
     from .masters.tables import Prepared
@@ -63,6 +66,7 @@ def simulate(
     checkpoint: float | None = None,
     isolate: Sequence[str] = (),
     timeout: float = 60.0,
+    self_test: bool = False,
     session: Session | None = None,
     resumed: Checkpoint | None = None,
 ) -> Run:
@@ -80,6 +84,8 @@ def simulate(
     logger: a `Log`, or a function; called with what FMUs say.
     isolate: instances that run in processes of their own, where a crash, or a call that takes more
     than `timeout` [s] of wall time, ends the run and not the program.
+    self_test: test first whether the FMUs do what they say, each once (see `trust`), and predict
+    the largest stable step.
     session: keeps the FMUs loaded for the next run, which resets them.
     checkpoint: simulated time [s] between two checkpoints in `out`, from which `resume` goes on.
     Raises OrchestratorError for what does not fit before the first step; from then on the run
@@ -87,7 +93,7 @@ def simulate(
     """
     settings = {name: value for name, value in locals().items() if name not in LIVE}
     begin = time.perf_counter()
-    start, duration, step = _span(system.experiment, start, duration, step)
+    start, duration, step = span(system.experiment, start, duration, step)
     grid, notes = make_grid(duration, step, start)
     if every < 1:
         raise CouplingError(f"one row of every {every} cannot be kept; give a whole number above 0")
@@ -105,9 +111,12 @@ def simulate(
     module = master_module(master)
     options = Options(order, method, tolerance, iterations)
     options.check(master)
+    evidence = Evidence(self_tests(system.components) if self_test else {})
     with ExitStack() as stack:
         loaded = session or stack.enter_context(Session())
         slaves = loaded.slaves(system, plan, stack, logger, isolate, timeout)
+        for slave in slaves:
+            slave.distrusted = slave.name in evidence.distrusted
         if interval:
             refuse_without_state(slaves)
         for slave, values in zip(slaves, plan.values, strict=True):
@@ -125,6 +134,15 @@ def simulate(
         first_row = settle(plan, slaves)
         prepared = module.prepare(plan, slaves, options)
         stack.callback(_free_states, slaves, prepared)
+        if self_test:
+            from .trust.step_limit import step_limit
+
+            limit, unknown = step_limit(
+                system, plan, first_row, step=step, start=start, master=master, options=options,
+                tests=evidence.tests, isolate=isolate,
+            )  # fmt: skip
+            evidence = replace(evidence, limit=limit)
+            notes += [*evidence.notes(master), *unknown]
         opened = plan.open_inputs
         constant = np.array([slaves[i].get_reals([v])[0] for i, v in opened])
         variables = [
@@ -141,6 +159,7 @@ def simulate(
                 for name, d in zip(plan.names, plan.descriptions, strict=True)
             },
             notes=[*notes, *plan.notes, *prepared.notes],
+            **evidence.attributes(),
         )
         recording = Recording(plan, prepared, grid, constant, every, memory if out else None)
         recording.rows[0] = first_row
@@ -170,8 +189,9 @@ def simulate(
             logger.clock = stepper.now
         wall_load, first = time.perf_counter() - begin, stepper.rows_done
         message = stepper.run(progress, texts, checkpoints)
+        verdict = str(judge(message, recording.residuals(), evidence))
         if recording.file is not None:
-            recording.file.finish(message)
+            recording.file.finish({STOPPED: message, VERDICT: verdict})
         if checkpoints is not None and message is None:
             checkpoints.remove()
         share = stepper.share_inside() if measure else None
@@ -183,7 +203,7 @@ def simulate(
         time=table[:, 0],
         record=table[:, 1:],
         variables=variables,
-        attributes=attributes if message is None else {**attributes, STOPPED: message},
+        attributes={**attributes, VERDICT: verdict, **({STOPPED: message} if message else {})},
         texts=texts.changes,
         completed=message is None,
         message=message,
@@ -198,6 +218,7 @@ def simulate(
         ),
         notes=[*notes, *plan.notes, *prepared.notes, *stepper.messages()],
         path=recording.file.path if recording.file else None,
+        evidence=evidence,
     )
 
 
@@ -231,7 +252,7 @@ def _interval(checkpoint: float | None, step: float, out: Path | str | None) -> 
     return max(1, round(checkpoint / step))
 
 
-def _span(
+def span(
     experiment: Experiment, start: float | None, duration: float | None, step: float | None
 ) -> tuple[float, float, float]:
     """Start, duration and step [s]: those given, else the experiment's, else the usual."""

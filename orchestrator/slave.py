@@ -62,6 +62,8 @@ class Slave(ABC):
     addresses: Addresses
     lanes: Lanes | None = None
     """What its adaptors work with, if it is called through such."""
+    distrusted = False
+    """Whether its saved states were found not to hold everything."""
 
     def __init__(self, name: str, description: Description, logger: Logger | None = None) -> None:
         self.name = name
@@ -122,7 +124,9 @@ class Slave(ABC):
     @property
     def rolls_back(self) -> bool:
         """Whether a macro step can be undone by the functions at `addresses`."""
-        return self.description.saves_state and self.addresses.get_state != 0
+        return (
+            self.description.saves_state and not self.distrusted and self.addresses.get_state != 0
+        )
 
     def free_state(self, handle: int) -> None:  # noqa: B027 - only an FMU has something to free
         """Free what the function at `addresses.get_state` made, if it did."""

@@ -250,3 +250,6 @@ BAND_PASS_ENDS = 0.06
 
 ITERATED_VERSIONS = 1e-5
 """The same where steps are repeated until they agree to 1e-8 of each unknown."""
+
+STEP_LIMIT = 0.05
+"""Predicted largest stable step against the exact one; a search that stops at 2 %."""

@@ -23,11 +23,15 @@ from .master_options import coupling, master_options
 from .model_commands import new, pack
 from .options import Name
 from .run_options import RESUMED, isolated, logged, run_options, survival
+from .self_test_command import test
 from .studies.command import study
 from .terminal import writable
 
 if TYPE_CHECKING:
     from orchestrator import Run
+
+STYLES = {"good": "bold green", "unknown": "bold", "doubtful": "bold yellow", "bad": "bold red"}
+"""How a verdict is shown, by its level."""
 
 FMUS_OF_CHECKPOINT = "checkpoint-fmus"
 """Folder for what an archive holds, which a run needs again when it goes on from a checkpoint."""
@@ -58,6 +62,7 @@ main.add_command(assess)
 main.add_command(fmu)
 main.add_command(new)
 fmu.add_command(pack)
+fmu.add_command(test)
 main.add_command(study)
 
 
@@ -289,6 +294,7 @@ def _print(result: Run, notes: list[str], folder: Path) -> None:
     for note in notes:
         console.print(f"note: {note}", style="dim", markup=False, highlight=False)
     console.print(f"results.nc and pictures are in {folder}", markup=False, highlight=False)
+    console.print(str(result.verdict), style=STYLES[result.verdict.level.value], markup=False)
 
 
 Report = Callable[[float, float], None]

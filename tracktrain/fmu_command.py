@@ -59,7 +59,8 @@ class ClearErrors(click.Group):
     epilog="""\b
 Examples:
   tracktrain fmu info my_truck.fmu
-  tracktrain fmu check my_truck.fmu --as truck""",
+  tracktrain fmu check my_truck.fmu --as truck
+  tracktrain fmu test my_truck.fmu""",
 )
 def fmu() -> None:
     """Look into FMUs, ours or any other."""
@@ -91,7 +92,7 @@ def info(file: Path, parameters: bool, as_json: bool) -> None:
         data = as_data(contents, description, beside)
         click.echo(json.dumps(data, indent=2, ensure_ascii=False))
         return
-    console = _console()
+    console = plain_console()
     _print_head(console, contents, description, beside)
     _print_ports(console, description)
     _print_terminals(console, beside)
@@ -134,7 +135,7 @@ def check(ctx: click.Context, file: Path, block: str | None, map_file: Path | No
     from .standin import compare
 
     found = compare(file, block, None if map_file is None else read_port_map(map_file))
-    console = _console()
+    console = plain_console()
     console.print(_comparison(found))
     console.print()
     style = "bold green" if found.possible else "bold red"
@@ -142,13 +143,13 @@ def check(ctx: click.Context, file: Path, block: str | None, map_file: Path | No
     ctx.exit(0 if found.possible else 1)
 
 
-def _console() -> Console:
+def plain_console() -> Console:
     from rich.console import Console
 
     return Console(markup=False, highlight=False, emoji=False)
 
 
-def _grid() -> Table:
+def plain_grid() -> Table:
     from rich.table import Table
 
     table = Table.grid(padding=(0, 2))
@@ -193,7 +194,7 @@ def _print_head(
     if text := _one_line(root.get("description")):
         console.print(text)
     console.print()
-    grid = _grid()
+    grid = plain_grid()
     grid.add_row("model", _one_line(f"{root.get('modelName', '')} {root.get('version', '')}"))
     made = [root.get("generationTool"), root.get("generationDateAndTime")]
     grid.add_row("made by", _one_line(", ".join(filter(None, made))) or "not said")
@@ -350,7 +351,7 @@ def _range(variable: Variable) -> str:
 
 
 def _comparison(found: StandIn) -> Table:
-    grid = _grid()
+    grid = plain_grid()
 
     def add(label: str, texts: list[str], style: str | None = None) -> None:
         if texts:

@@ -1,0 +1,214 @@
+"""A run repeated with half and a quarter of its step, and as one system: how wrong it is.
+
+Of each chosen output y the differences d1 = y(H) - y(H/2) and d2 = y(H/2) - y(H/4) give the
+observed order p = log2(|d1| / |d2|), and Richardson's estimate of the error at H, |d1| 2^p/(2^p-1).
+Where p is no order, as in chaotic motion or where friction sticks at another time, there is no such
+estimate, and d1 is what is known.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import OrchestratorError
+from ..monolith import monolith
+from ..plan import make_plan
+from ..results import Run
+from ..simulation import simulate, span
+from ..system import System
+from .verdict import Level
+
+ORDERS = (0.5, 4.5)
+"""Observed orders that count as such."""
+
+ROUNDING = 1e-12
+"""Difference of two runs, over the output's rms, that is rounding."""
+
+TWIN = 1.0
+"""Time over which a run is compared with its monolithic twin [s], which is slow."""
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Error:
+    """Error of an output at the run's step, by Richardson: rms and peak over the signal's rms.
+
+    order: observed, or NaN where there is none; then the difference to the run with half the step.
+    """
+
+    name: str
+    rms: float
+    peak: float
+    order: float
+
+    @property
+    def converges(self) -> bool:
+        return not math.isnan(self.order)
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """Errors by output, those against the monolithic twin over `twin_span` [s], and notes."""
+
+    step: float
+    errors: tuple[Error, ...]
+    twin: tuple[Error, ...] = ()
+    twin_span: float = 0.0
+    notes: tuple[str, ...] = ()
+
+    @property
+    def worst(self) -> Error | None:
+        """The output with the largest error."""
+        return max(self.errors, key=lambda error: error.rms, default=None)
+
+    def judged(self, small: float, large: float) -> list[tuple[Level, str]]:
+        """What it means for the verdict."""
+        found = []
+        erring = [e for e in self.errors if not e.converges and e.rms > small]
+        if worst := self.worst:
+            text = f"error of {worst.name} about {percent(worst.rms)} of its rms"
+            if worst.converges and worst.order > 0.0:
+                text += f" (order {worst.order:.1f})"
+            found.append((_level(worst.rms, small, large), text))
+        if erring:
+            names = ", ".join(e.name for e in erring[:3]) + (" ..." if erring[3:] else "")
+            found.append(
+                (
+                    Level.DOUBTFUL,
+                    f"smaller steps do not converge (no order observed) in {names}: the motion "
+                    "is chaotic or sticks and slips at other times, and only its statistics can "
+                    "be relied on",
+                )
+            )
+        if self.twin:
+            worst = max(self.twin, key=lambda error: error.rms)
+            found.append(
+                (
+                    _level(worst.rms, small, large),
+                    f"{percent(worst.rms)} at most from the monolithic twin ({worst.name}, first "
+                    f"{self.twin_span:g} s)",
+                )
+            )
+        return found
+
+
+def verify(
+    system: System,
+    *,
+    outputs: Sequence[str] | None = None,
+    twin: float = TWIN,
+    run: Run | None = None,
+    **how: Any,
+) -> Run:
+    """The run that `simulate(system, **how)` makes, with its errors in `evidence.refinement`.
+
+    outputs: names or patterns of those that are judged; None takes all that drive an input, else
+    all. twin: time over which it is compared with the monolithic twin [s], where all FMUs offer
+    model exchange; 0 for none. run: the run itself, where it was made before. Raises
+    OrchestratorError as `simulate` does.
+    """
+    start, duration, step = span(
+        system.experiment, how.get("start"), how.get("duration"), how.get("step")
+    )
+    names = _chosen(system, outputs)
+    if run is None:
+        run = simulate(system, **how)
+    notes: list[str] = []
+    errors: list[Error] = []
+    if run.completed:
+        again = {k: v for k, v in how.items() if k not in _OF_THE_RUN}
+        again |= {"duration": duration, "start": start, "record": names}
+        # The rows of all runs at the times that the coarsest has, whatever it kept of them.
+        coarse = simulate(system, **again, step=step)
+        finer = [simulate(system, **again, step=step / n, every=n) for n in (2, 4)]
+        stopped = next((r for r in finer if not r.completed), None)
+        if stopped is not None:
+            notes.append(f"with a smaller step the run stopped: {stopped.message}")
+        else:
+            errors = [
+                _error(name, coarse.record[:, n], *(r.record[:, n] for r in finer))
+                for n, (name, _) in enumerate(coarse.variables)
+            ]
+        against, said = _against_twin(system, coarse, names, min(twin, duration), step, start)
+        notes += said
+    else:
+        against = ()
+    found = Refinement(step, tuple(errors), against, min(twin, duration), tuple(notes))
+    return replace(
+        run,
+        evidence=replace(run.evidence, refinement=found),
+        notes=[*run.notes, *notes],
+    )
+
+
+_OF_THE_RUN = ("duration", "start", "step", "record", "every", "out", "checkpoint", "measure",
+               "self_test", "progress", "command", "memory")  # fmt: skip
+"""Arguments of `simulate` that its repetitions do not have, or have other ones of."""
+
+
+def _chosen(system: System, outputs: Sequence[str] | None) -> list[str]:
+    plan = make_plan(system, outputs)
+    if outputs is not None:
+        return [plan.name(*plan.columns[n]) for n in plan.recorded]
+    driving = {plan.column_of[k.source, k.output.name] for k in plan.links}
+    return [plan.name(*plan.columns[n]) for n in sorted(driving or plan.recorded)]
+
+
+def _error(name: str, coarse: Array, half: Array, quarter: Array) -> Error:
+    first, second = coarse - half, half - quarter
+    size = _rms(quarter)
+    if size == 0.0 or _rms(first) <= ROUNDING * size:
+        return Error(name, 0.0, 0.0, 0.0)
+    ratio = _rms(first) / max(_rms(second), ROUNDING * size)
+    order = math.log2(ratio)
+    if not ORDERS[0] <= order <= ORDERS[1]:
+        return Error(name, _rms(first) / size, float(np.max(np.abs(first))) / size, math.nan)
+    more = ratio / (ratio - 1.0) / size
+    return Error(name, _rms(first) * more, float(np.max(np.abs(first))) * more, order)
+
+
+def _against_twin(
+    system: System, run: Run, names: Sequence[str], span: float, step: float, start: float
+) -> tuple[tuple[Error, ...], list[str]]:
+    if span <= 0.0:
+        return (), []
+    try:
+        twin = monolith(system, duration=span, sample=step, start=start, record=names)
+    except OrchestratorError as error:
+        return (), [f"not compared with a monolithic twin: {error}"]
+    if not twin.completed:
+        return (), [f"not compared with a monolithic twin, which stopped: {twin.message}"]
+    rows = min(len(twin.time), len(run.time))
+    places = {name: n for n, (name, _) in enumerate(run.variables)}
+    found = []
+    for n, (name, _) in enumerate(twin.variables):
+        if name in places:
+            exact, own = twin.record[:rows, n], run.record[:rows, places[name]]
+            size = _rms(exact)
+            if size > 0.0:
+                off = own - exact
+                peak = float(np.max(np.abs(off))) / size
+                found.append(Error(name, _rms(off) / size, peak, math.nan))
+    return tuple(found), []
+
+
+def _level(error: float, small: float, large: float) -> Level:
+    if error <= small:
+        return Level.GOOD
+    return Level.DOUBTFUL if error <= large else Level.BAD
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def percent(share: float) -> str:
+    """A share in words: 0.0031 is "0.31 %"."""
+    return f"{100.0 * share:.2g} %"

@@ -1,0 +1,122 @@
+"""Self-tests of a system's FMUs, each in another process once, and then remembered by its hash."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import asdict
+from pathlib import Path
+
+from ..encoding import encode
+from ..mock import Mock
+from ..plan import component_description
+from ..system import Component
+from .findings import VERSION, Finding, SelfTest
+
+TIMEOUT = 60.0
+"""Wall time that the test of one FMU may take [s]."""
+
+
+def self_tests(components: Mapping[str, Component], *, anew: bool = False) -> dict[str, SelfTest]:
+    """The self-test of each instance's FMU; what is remembered counts, unless `anew`.
+
+    An FMU is tested with the values of the first instance that has it, by steps that it recommends.
+    Raises OrchestratorError for what cannot be described.
+    """
+    from .self_test import self_test  # with a compiler, which takes its time
+
+    hashes: dict[str, str] = {}
+    known: dict[str, SelfTest] = {}
+    waiting: dict[str, Component] = {}
+    for name, component in components.items():
+        if isinstance(component.fmu, Mock):
+            hashes[name] = name
+            known[name] = self_test(component)
+            continue
+        sha256 = hashes[name] = component_description(name, component).sha256
+        if sha256 in known or sha256 in waiting:
+            continue
+        if not anew and (found := _remembered(sha256)):
+            known[sha256] = found
+        else:
+            waiting[sha256] = component
+    for sha256, found in zip(waiting, _elsewhere(list(waiting.values())), strict=True):
+        known[sha256] = found
+        _remember(sha256, found)
+    return {name: known[sha256] for name, sha256 in hashes.items()}
+
+
+def _elsewhere(components: Sequence[Component]) -> Iterator[SelfTest]:
+    """Tests in a process of their own; one that an FMU takes down is started again after it."""
+    done = 0
+    while done < len(components):
+        with tempfile.TemporaryDirectory() as folder:
+            asked, answered = Path(folder) / "asked.json", Path(folder) / "answered.jsonl"
+            asked.write_text(json.dumps(encode(list(components[done:]))))
+            answered.touch()
+            why = _run(asked, answered, TIMEOUT * (len(components) - done))
+            for line in answered.read_text().splitlines():
+                yield _decoded(json.loads(line))
+                done += 1
+            if done < len(components) and why:
+                label = Path(str(components[done].fmu)).name
+                yield SelfTest(label, (), (Finding("process", why),))
+                done += 1
+
+
+def _run(asked: Path, answered: Path, timeout: float) -> str:
+    """Run the process; how it failed, or nothing."""
+    command = [sys.executable, "-m", f"{__package__}", str(asked), str(answered)]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
+    try:
+        done = subprocess.run(
+            command, env=environment, capture_output=True, timeout=timeout, check=False
+        )
+    except subprocess.TimeoutExpired:
+        return f"its self-test did not end within {timeout:g} s; isolate it"
+    said = done.stderr.decode(errors="replace").strip().splitlines()
+    more = f": {said[-1]}" if said else ""
+    return f"its self-test crashed (exit code {done.returncode}){more}; isolate it"
+
+
+def answer(asked: Path, answered: Path) -> None:
+    """Test the FMUs that a file asks for, each result a line of another: in the new process."""
+    from ..encoding import decode
+    from .self_test import self_test
+
+    for component in decode(json.loads(asked.read_text())):
+        found = self_test(component)
+        with answered.open("a") as stream:
+            stream.write(json.dumps(asdict(found)) + "\n")
+
+
+def _place(sha256: str) -> Path:
+    from platformdirs import user_cache_path
+
+    return user_cache_path("tracktrain") / "self_tests" / f"{VERSION}-{sha256}.json"
+
+
+def _remembered(sha256: str) -> SelfTest | None:
+    try:
+        return _decoded(json.loads(_place(sha256).read_text()))
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _remember(sha256: str, found: SelfTest) -> None:
+    path = _place(sha256)
+    with suppress(OSError):  # without a cache it is tested each time
+        path.parent.mkdir(parents=True, exist_ok=True)
+        new = path.with_suffix(f".{os.getpid()}")
+        new.write_text(json.dumps(asdict(found)))
+        new.replace(path)
+
+
+def _decoded(said: dict) -> SelfTest:
+    findings = tuple(Finding(**finding) for finding in said["findings"])
+    return SelfTest(said["label"], tuple(said["passed"]), findings)
