@@ -13,9 +13,11 @@ import numpy as np
 from fmi3_instance import INSTANCE
 from fmpy.build import build_platform_binary
 from fmpy.model_description import read_build_description
+from functions import FUNCTIONS
+from hosted import HOST, Hosted, step
 from tools import need
 
-from fmus.catalogue import fmu_path
+from fmus.catalogue import NAMES, fmu_path
 
 STEPS = 200
 FOLDER = {"2.0": fmpy.platform, "3.0": fmpy.platform_tuple}
@@ -96,3 +98,42 @@ def test_the_hosts_compiler_finds_nothing_and_gives_the_same_bits(block_name, fm
     said = cc(*flags, *source_files(folder), "-o", library, "-lm", folder=folder / "sources")
     assert said == ""
     assert np.array_equal(outputs(packed(folder), fmi), outputs(fmu_path(block_name, fmi), fmi))
+
+
+LINKED = [*((block, "2.0") for block in NAMES), ("truck", "3.0")]
+
+
+def test_several_fmus_are_linked_into_one_program_and_give_the_same_bits(tmp_path):
+    """By the prefixes of FMI's headers, the same for a block's FMUs of both versions."""
+    objects = []
+    for block, fmi in LINKED:
+        folder = unpacked(fmu_path(block, fmi), tmp_path / f"{block}{fmi[0]}") / "sources"
+        prefix = f"-DFMI{fmi[0]}_FUNCTION_PREFIX={block}_"
+        cc("-std=c99", "-O1", "-c", prefix, *source_files(folder.parent), folder=folder)
+        objects += folder.glob("*.o")
+    cc(HOST, *objects, "-rdynamic", "-w", "-ldl", "-lm", "-o", "linked", folder=tmp_path)
+    cc(HOST, "-w", "-ldl", "-o", "loaded", folder=tmp_path)
+    linked, loaded = [], []
+    for block, fmi in LINKED:
+        name = f"{block}{fmi[0]}"
+        library = Path(fmpy.extract(str(fmu_path(block, fmi)), str(tmp_path / f"{name}-whole")))
+        library /= f"binaries/{FOLDER[fmi]}/{block}{fmpy.sharedLibraryExtension}"
+        linked.append(Hosted(fmu_path(block, fmi), tmp_path, f"{name}-linked", "-", f"{block}_"))
+        loaded.append(Hosted(fmu_path(block, fmi), tmp_path, f"{name}-loaded", str(library)))
+    step(["./linked"], linked, tmp_path)
+    step(["./loaded"], loaded, tmp_path)
+    for one, other in zip(linked, loaded, strict=True):
+        assert np.ptp(one.outputs(), axis=0).max() > 0.0
+        assert np.array_equal(one.outputs(), other.outputs())
+
+
+def test_a_prefix_is_that_of_every_name_that_the_linker_sees(block_name, fmi, tmp_path):
+    need(shutil.which("nm"), "nm, of the binutils")
+    folder = unpacked(fmu_path(block_name, fmi), tmp_path / "fmu") / "sources"
+    prefix = f"-DFMI{fmi[0]}_FUNCTION_PREFIX=own_"
+    cc("-std=c99", "-O0", "-c", prefix, *source_files(folder.parent), folder=folder)
+    command = ["nm", "--extern-only", "--defined-only", "--format=posix", *folder.glob("*.o")]
+    listed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    names = {line.split()[0] for line in listed.splitlines() if " " in line}
+    assert {f"own_{name}" for name in FUNCTIONS[fmi]} <= names
+    assert {name for name in names if not name.startswith("own_")} == set()

@@ -14,9 +14,10 @@ import lief
 import numpy as np
 import pytest
 from fmi3_instance import INSTANCE
-from fmpy import read_model_description, supported_platforms
+from fmpy import supported_platforms
 from fmpy.validation import validate_fmu
 from functions import FUNCTIONS
+from hosted import HOST, Hosted, step
 from tools import need
 
 from fmus import BLOCKS
@@ -213,45 +214,18 @@ def test_failed_compilation_quotes_the_compiler(tmp_path):
     assert "undeclared_name" in str(failure.value)
 
 
-AMPLITUDE = {"N": 1e3, "N.m": 1e3, "m": 1e-3, "m/s": 1e-2, "rad": 1e-3, "rad/s": 1e-2}
-STEPS = 1000
-
-
-def excitation(fmu: Path) -> np.ndarray:
-    """Values of all inputs at each step [SI]: start values, and noise on what moves."""
-    noise = np.random.default_rng(1980).uniform(-1.0, 1.0, (STEPS, 200))
-    inputs = [v for v in read_model_description(str(fmu)).modelVariables if v.causality == "input"]
-    sizes = [
-        0.0 if "_per_" in v.name or v.name == "speed" else AMPLITUDE.get(v.unit, 0.0)
-        for v in inputs
-    ]
-    return np.array([float(v.start) for v in inputs]) + noise[:, : len(inputs)] * sizes
-
-
 def stepped(
     fmu: Path, name: str, runner: list[str], folder: Path, environment: dict[str, str]
 ) -> np.ndarray:
-    """Outputs [SI], (steps, outputs), of one binary in a host program for its platform."""
-    description = read_model_description(str(fmu))
+    """Outputs [SI], (steps, values), of one binary in a host program for its platform."""
     target = TARGETS[name]
     library, host = f"{fmu.stem}{target.suffix}", f"host-{name}.exe"
     (folder / library).write_bytes(libraries(fmu)[name])
-    excitation(fmu).tofile(folder / "inputs")
-    source = Path(__file__).parent / "host.c"
     zig = [sys.executable, "-m", "ziglang", "cc", "-target", target.zig, "-w"]
-    subprocess.run([*zig, source, "-o", folder / host], check=True)
-    inputs = [v for v in description.modelVariables if v.causality == "input"]
-    outputs = [v for v in description.modelVariables if v.causality == "output"]
-    numbers = (STEPS, inputs[0].valueReference, len(inputs), len(outputs))
-    subprocess.run(
-        [*runner, f"./{host}", f"./{library}", description.guid, "inputs", f"outputs-{name}"]
-        + [str(number) for number in numbers],
-        cwd=folder,
-        env=environment,
-        check=True,
-        timeout=300,
-    )
-    return np.fromfile(folder / f"outputs-{name}").reshape(STEPS, len(outputs))
+    subprocess.run([*zig, HOST, "-o", folder / host], check=True)
+    hosted = Hosted(fmu, folder, name, f"./{library}")
+    step([*runner, f"./{host}"], [hosted], folder, environment)
+    return hosted.outputs()
 
 
 @pytest.fixture(scope="module")
@@ -265,11 +239,13 @@ def foreign_environment(tmp_path_factory) -> dict[str, str]:
 @pytest.mark.skipif(host_target().name != "linux-x86_64", reason="needs Linux on x86-64")
 @pytest.mark.parametrize("block", BLOCKS)
 @pytest.mark.parametrize("target", RUNNERS)
-def test_libraries_of_two_platforms_agree_bit_for_bit(target, block, tmp_path, foreign_environment):
+def test_libraries_of_two_platforms_agree_bit_for_bit(
+    target, block, fmi, tmp_path, foreign_environment
+):
     package, programs, arguments = RUNNERS[target]
     runner = next(filter(None, map(shutil.which, programs)), None)
     need(runner, package)
-    fmu = build(tmp_path, [block], ("linux-x86_64", target), ["2.0"])[block]
+    (fmu,) = build(tmp_path, [block], ("linux-x86_64", target), [fmi]).values()
     here = stepped(fmu, "linux-x86_64", [], tmp_path, foreign_environment)
     there = stepped(fmu, target, [str(runner), *arguments], tmp_path, foreign_environment)
     assert np.all(np.isfinite(here)) and np.ptp(here, axis=0).max() > 0.0

@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "block.h"
+#include "names.h"
 
 /* Value references: 0 is time, then the parameters, inputs, outputs, local variables and constants,
  * each in block order. Local are the derivatives of continuous states that are no outputs, then the

@@ -5,6 +5,8 @@
 #include <string.h>
 
 #define CASADI_SYMBOL_EXPORT static
+#define CASADI_CODEGEN_PREFIX
+#define CODEGEN_PREFIX INTERNAL(equations_)
 #include "equations.h"
 
 static double *parameters(State *s) { return s->value + FIRST_PARAMETER; }

@@ -20,18 +20,18 @@ static void report(void *environment, Status status, const char *message) {
 
 #define CORE (((Slave *)c)->core)
 
-EXPORT const char *fmi2GetTypesPlatform(void) { return "default"; }
-EXPORT const char *fmi2GetVersion(void) { return "2.0"; }
+EXPORT(const char *, fmi2GetTypesPlatform)(void) { return "default"; }
+EXPORT(const char *, fmi2GetVersion)(void) { return "2.0"; }
 
-EXPORT fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count,
-                                      const fmi2String categories[]) {
+EXPORT(fmi2Status, fmi2SetDebugLogging)(fmi2Component c, fmi2Boolean on, size_t count,
+                                        const fmi2String categories[]) {
     (void)on, (void)count, (void)categories; /* errors are always told, and there is nothing else */
     return c ? FMI2_OK : FMI2_ERROR;
 }
 
-EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid,
-                                     fmi2String resources, const fmi2CallbackFunctions *callbacks,
-                                     fmi2Boolean visible, fmi2Boolean logging) {
+EXPORT(fmi2Component, fmi2Instantiate)(fmi2String name, fmi2Type type, fmi2String guid,
+                                       fmi2String resources, const fmi2CallbackFunctions *callbacks,
+                                       fmi2Boolean visible, fmi2Boolean logging) {
     (void)resources, (void)visible, (void)logging;
     Fmu *fmu = calloc(1, sizeof *fmu);
     if (!fmu) return NULL;
@@ -46,47 +46,47 @@ EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String 
     return NULL;
 }
 
-EXPORT void fmi2FreeInstance(fmi2Component c) {
+EXPORT(void, fmi2FreeInstance)(fmi2Component c) {
     if (!c) return;
     slave_clear(c);
     free(c);
 }
 
-EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerance_defined, fmi2Real tolerance,
-                                      fmi2Real start, fmi2Boolean stop_defined, fmi2Real stop) {
+EXPORT(fmi2Status, fmi2SetupExperiment)(fmi2Component c, fmi2Boolean tolerance_defined, fmi2Real tolerance,
+                                        fmi2Real start, fmi2Boolean stop_defined, fmi2Real stop) {
     (void)tolerance_defined, (void)tolerance;
     NEEDS_INSTANCE;
     return slave_experiment(c, start, stop_defined, stop);
 }
 
-EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
+EXPORT(fmi2Status, fmi2EnterInitializationMode)(fmi2Component c) {
     NEEDS_INSTANCE;
     return slave_enter_initialization(c);
 }
 
-EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+EXPORT(fmi2Status, fmi2ExitInitializationMode)(fmi2Component c) {
     NEEDS_INSTANCE;
     return slave_exit_initialization(c);
 }
 
-EXPORT fmi2Status fmi2Terminate(fmi2Component c) {
+EXPORT(fmi2Status, fmi2Terminate)(fmi2Component c) {
     NEEDS_INSTANCE;
     return (fmi2Status)core_terminate(CORE);
 }
 
-EXPORT fmi2Status fmi2Reset(fmi2Component c) {
+EXPORT(fmi2Status, fmi2Reset)(fmi2Component c) {
     NEEDS_INSTANCE;
     return slave_reset(c);
 }
 
-EXPORT fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count, fmi2Real value[]) {
+EXPORT(fmi2Status, fmi2GetReal)(fmi2Component c, const fmi2ValueReference vr[], size_t count, fmi2Real value[]) {
     NEEDS_INSTANCE;
     NEEDS_LISTS(count, vr, value);
     return (fmi2Status)core_get(CORE, vr, count, value);
 }
 
-EXPORT fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count,
-                              const fmi2Real value[]) {
+EXPORT(fmi2Status, fmi2SetReal)(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+                                const fmi2Real value[]) {
     NEEDS_INSTANCE;
     NEEDS_LISTS(count, vr, value);
     NEEDS_SETTABLE;
@@ -94,8 +94,8 @@ EXPORT fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], si
 }
 
 #define WHOLE_NUMBERS(name, kind)                                                                          \
-    EXPORT fmi2Status fmi2Get##name(fmi2Component c, const fmi2ValueReference vr[], size_t count,          \
-                                    fmi2Integer value[]) {                                                 \
+    EXPORT(fmi2Status, fmi2Get##name)(fmi2Component c, const fmi2ValueReference vr[], size_t count,        \
+                                      fmi2Integer value[]) {                                               \
         NEEDS_INSTANCE;                                                                                    \
         NEEDS_LISTS(count, vr, value);                                                                     \
         for (size_t i = 0; i < count; i++) {                                                               \
@@ -105,8 +105,8 @@ EXPORT fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], si
         }                                                                                                  \
         return FMI2_OK;                                                                                    \
     }                                                                                                      \
-    EXPORT fmi2Status fmi2Set##name(fmi2Component c, const fmi2ValueReference vr[], size_t count,          \
-                                    const fmi2Integer value[]) {                                           \
+    EXPORT(fmi2Status, fmi2Set##name)(fmi2Component c, const fmi2ValueReference vr[], size_t count,        \
+                                      const fmi2Integer value[]) {                                         \
         NEEDS_INSTANCE;                                                                                    \
         NEEDS_LISTS(count, vr, value);                                                                     \
         NEEDS_SETTABLE;                                                                                    \
@@ -117,112 +117,113 @@ EXPORT fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], si
 WHOLE_NUMBERS(Integer, WHOLE)
 WHOLE_NUMBERS(Boolean, BOOLEAN)
 
-EXPORT fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t count,
-                                fmi2String value[]) {
+EXPORT(fmi2Status, fmi2GetString)(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+                                  fmi2String value[]) {
     (void)vr, (void)value;
     return c && count == 0 ? FMI2_OK : slave_refuse(c, "this FMU has no strings");
 }
 
-EXPORT fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t count,
-                                const fmi2String value[]) {
+EXPORT(fmi2Status, fmi2SetString)(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+                                  const fmi2String value[]) {
     (void)vr, (void)value;
     return c && count == 0 ? FMI2_OK : slave_refuse(c, "this FMU has no strings");
 }
 
-EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
+EXPORT(fmi2Status, fmi2GetFMUstate)(fmi2Component c, fmi2FMUstate *state) {
     NEEDS_INSTANCE;
     return slave_save(c, state);
 }
 
-EXPORT fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
+EXPORT(fmi2Status, fmi2SetFMUstate)(fmi2Component c, fmi2FMUstate state) {
     NEEDS_INSTANCE;
     return slave_restore(c, state);
 }
 
-EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
+EXPORT(fmi2Status, fmi2FreeFMUstate)(fmi2Component c, fmi2FMUstate *state) {
     NEEDS_INSTANCE;
     return slave_free_state(state);
 }
 
-EXPORT fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size) {
+EXPORT(fmi2Status, fmi2SerializedFMUstateSize)(fmi2Component c, fmi2FMUstate state, size_t *size) {
     NEEDS_INSTANCE;
     return slave_serialized_size(c, state, size);
 }
 
-EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
+EXPORT(fmi2Status, fmi2SerializeFMUstate)(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
     NEEDS_INSTANCE;
     return slave_serialize(c, state, bytes, size);
 }
 
-EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size,
-                                          fmi2FMUstate *state) {
+EXPORT(fmi2Status, fmi2DeSerializeFMUstate)(fmi2Component c, const fmi2Byte bytes[], size_t size,
+                                            fmi2FMUstate *state) {
     NEEDS_INSTANCE;
     return slave_deserialize(c, bytes, size, state);
 }
 
-EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[],
-                                               size_t unknown_count, const fmi2ValueReference known[],
-                                               size_t known_count, const fmi2Real seed[],
-                                               fmi2Real sensitivity[]) {
+EXPORT(fmi2Status, fmi2GetDirectionalDerivative)(fmi2Component c, const fmi2ValueReference unknown[],
+                                                 size_t unknown_count, const fmi2ValueReference known[],
+                                                 size_t known_count, const fmi2Real seed[],
+                                                 fmi2Real sensitivity[]) {
     NEEDS_INSTANCE;
     NEEDS_LISTS(unknown_count, unknown, sensitivity);
     NEEDS_LISTS(known_count, known, seed);
     return (fmi2Status)core_directional(CORE, unknown, unknown_count, known, known_count, seed, sensitivity);
 }
 
-EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t count,
-                                              const fmi2Integer order[], const fmi2Real value[]) {
+EXPORT(fmi2Status, fmi2SetRealInputDerivatives)(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+                                                const fmi2Integer order[], const fmi2Real value[]) {
     NEEDS_INSTANCE;
     NEEDS_LISTS(count, vr, order && value);
     NEEDS_SETTABLE;
     for (size_t i = 0; i < count; i++) {
-        if (order[i] != 1) return slave_refuse(c, "inputs vary linearly over a step: only derivatives of order 1 are taken");
+        if (order[i] != 1)
+            return slave_refuse(c, "inputs vary linearly over a step: only derivatives of order 1 are taken");
         if (core_set_rate(CORE, vr[i], value[i]) != OK) return FMI2_ERROR;
     }
     return FMI2_OK;
 }
 
-EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t count,
-                                               const fmi2Integer order[], fmi2Real value[]) {
+EXPORT(fmi2Status, fmi2GetRealOutputDerivatives)(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+                                                 const fmi2Integer order[], fmi2Real value[]) {
     (void)vr, (void)order, (void)value;
     return c && count == 0 ? FMI2_OK
                            : slave_refuse(c, "output derivatives are outputs of their own (attribute derivative)");
 }
 
-EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real size, fmi2Boolean no_return) {
+EXPORT(fmi2Status, fmi2DoStep)(fmi2Component c, fmi2Real time, fmi2Real size, fmi2Boolean no_return) {
     (void)no_return;
     NEEDS_INSTANCE;
     if (slave_check_step(c, time, size) != OK) return FMI2_ERROR;
     return (fmi2Status)core_step(CORE, time, size);
 }
 
-EXPORT fmi2Status fmi2CancelStep(fmi2Component c) { return slave_refuse(c, "no step runs in the background"); }
+EXPORT(fmi2Status, fmi2CancelStep)(fmi2Component c) { return slave_refuse(c, "no step runs in the background"); }
 
-EXPORT fmi2Status fmi2GetStatus(fmi2Component c, fmi2StatusKind kind, fmi2Status *value) {
+EXPORT(fmi2Status, fmi2GetStatus)(fmi2Component c, fmi2StatusKind kind, fmi2Status *value) {
     (void)kind, (void)value;
     return c ? FMI2_DISCARD : FMI2_ERROR;
 }
 
-EXPORT fmi2Status fmi2GetRealStatus(fmi2Component c, fmi2StatusKind kind, fmi2Real *value) {
+EXPORT(fmi2Status, fmi2GetRealStatus)(fmi2Component c, fmi2StatusKind kind, fmi2Real *value) {
     NEEDS_INSTANCE;
     if (kind != FMI2_LAST_SUCCESSFUL_TIME) return FMI2_DISCARD;
     *value = CORE->state.time;
     return FMI2_OK;
 }
 
-EXPORT fmi2Status fmi2GetIntegerStatus(fmi2Component c, fmi2StatusKind kind, fmi2Integer *value) {
+EXPORT(fmi2Status, fmi2GetIntegerStatus)(fmi2Component c, fmi2StatusKind kind, fmi2Integer *value) {
     (void)kind, (void)value;
     return c ? FMI2_DISCARD : FMI2_ERROR;
 }
 
-EXPORT fmi2Status fmi2GetBooleanStatus(fmi2Component c, fmi2StatusKind kind, fmi2Boolean *value) {
+EXPORT(fmi2Status, fmi2GetBooleanStatus)(fmi2Component c, fmi2StatusKind kind, fmi2Boolean *value) {
     NEEDS_INSTANCE;
     if (kind != FMI2_TERMINATED) return FMI2_DISCARD;
     *value = 0;
     return FMI2_OK;
 }
 
-EXPORT fmi2Status fmi2GetStringStatus(fmi2Component c, fmi2StatusKind kind, fmi2String *value) {
+EXPORT(fmi2Status, fmi2GetStringStatus)(fmi2Component c, fmi2StatusKind kind, fmi2String *value) {
     (void)kind, (void)value;
     return c ? FMI2_DISCARD : FMI2_ERROR;
 }
@@ -230,25 +231,25 @@ EXPORT fmi2Status fmi2GetStringStatus(fmi2Component c, fmi2StatusKind kind, fmi2
 #define NEEDS_PLACE(place) \
     if (!(place)) return slave_refuse(c, "a place for the result is missing: it is NULL")
 
-EXPORT fmi2Status fmi2EnterEventMode(fmi2Component c) {
+EXPORT(fmi2Status, fmi2EnterEventMode)(fmi2Component c) {
     NEEDS_INSTANCE;
     return (fmi2Status)core_enter_event_mode(CORE);
 }
 
-EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
+EXPORT(fmi2Status, fmi2NewDiscreteStates)(fmi2Component c, fmi2EventInfo *info) {
     NEEDS_INSTANCE;
     NEEDS_PLACE(info);
     *info = (fmi2EventInfo){0}; /* memory follows at once, and there are no time events */
     return (fmi2Status)core_new_discrete_states(CORE);
 }
 
-EXPORT fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
+EXPORT(fmi2Status, fmi2EnterContinuousTimeMode)(fmi2Component c) {
     NEEDS_INSTANCE;
     return (fmi2Status)core_enter_continuous_mode(CORE);
 }
 
-EXPORT fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_return, fmi2Boolean *event,
-                                              fmi2Boolean *terminate) {
+EXPORT(fmi2Status, fmi2CompletedIntegratorStep)(fmi2Component c, fmi2Boolean no_return, fmi2Boolean *event,
+                                                fmi2Boolean *terminate) {
     (void)no_return;
     NEEDS_INSTANCE;
     NEEDS_PLACE(event && terminate);
@@ -256,19 +257,19 @@ EXPORT fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_re
     return (fmi2Status)core_completed_step(CORE, event);
 }
 
-EXPORT fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
+EXPORT(fmi2Status, fmi2SetTime)(fmi2Component c, fmi2Real time) {
     NEEDS_INSTANCE;
     return (fmi2Status)core_set_time(CORE, time);
 }
 
-EXPORT fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t count) {
+EXPORT(fmi2Status, fmi2SetContinuousStates)(fmi2Component c, const fmi2Real x[], size_t count) {
     NEEDS_INSTANCE;
     NEEDS_LISTS(count, x, x);
     return (fmi2Status)core_set_continuous_states(CORE, x, count);
 }
 
 #define READ_LIST(name, function)                                                   \
-    EXPORT fmi2Status fmi2##name(fmi2Component c, fmi2Real value[], size_t count) { \
+    EXPORT(fmi2Status, fmi2##name)(fmi2Component c, fmi2Real value[], size_t count) { \
         NEEDS_INSTANCE;                                                             \
         NEEDS_LISTS(count, value, value);                                           \
         return (fmi2Status)function(CORE, value, count);                            \

@@ -9,9 +9,9 @@ static void report(void *environment, Status status, const char *message) {
         fmu->log(fmu->environment, status, status == ERROR ? "logStatusError" : "logStatusWarning", message);
 }
 
-EXPORT const char *fmi3GetVersion(void) { return "3.0"; }
+EXPORT(const char *, fmi3GetVersion)(void) { return "3.0"; }
 
-EXPORT fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t count, const fmi3String category[]) {
+EXPORT(fmi3Status, fmi3SetDebugLogging)(fmi3Instance c, fmi3Boolean on, size_t count, const fmi3String category[]) {
     (void)on, (void)count, (void)category; /* errors are always told, and there is nothing else */
     return c ? OK : ERROR;
 }
@@ -30,20 +30,20 @@ static Fmu *instantiate(Interface interface, fmi3String name, fmi3String token,
     return NULL;
 }
 
-EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
-                                                 fmi3Boolean visible, fmi3Boolean logging,
-                                                 fmi3InstanceEnvironment environment,
-                                                 fmi3LogMessageCallback log) {
+EXPORT(fmi3Instance, fmi3InstantiateModelExchange)(fmi3String name, fmi3String token, fmi3String resources,
+                                                   fmi3Boolean visible, fmi3Boolean logging,
+                                                   fmi3InstanceEnvironment environment,
+                                                   fmi3LogMessageCallback log) {
     (void)resources, (void)visible, (void)logging;
     return instantiate(MODEL_EXCHANGE, name, token, environment, log, NULL);
 }
 
-EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
-                                                fmi3Boolean visible, fmi3Boolean logging, fmi3Boolean event_mode,
-                                                fmi3Boolean early_return, const fmi3ValueReference required[],
-                                                size_t required_count, fmi3InstanceEnvironment environment,
-                                                fmi3LogMessageCallback log,
-                                                fmi3IntermediateUpdateCallback update) {
+EXPORT(fmi3Instance, fmi3InstantiateCoSimulation)(fmi3String name, fmi3String token, fmi3String resources,
+                                                  fmi3Boolean visible, fmi3Boolean logging, fmi3Boolean event_mode,
+                                                  fmi3Boolean early_return, const fmi3ValueReference required[],
+                                                  size_t required_count, fmi3InstanceEnvironment environment,
+                                                  fmi3LogMessageCallback log,
+                                                  fmi3IntermediateUpdateCallback update) {
     (void)resources, (void)visible, (void)logging;
     Fmu *fmu = instantiate(CO_SIMULATION, name, token, environment, log,
                            event_mode ? "this FMU has no event mode in co-simulation" : NULL);
@@ -55,42 +55,42 @@ EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String toke
     return fmu;
 }
 
-EXPORT fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources,
-                                                      fmi3Boolean visible, fmi3Boolean logging,
-                                                      fmi3InstanceEnvironment environment,
-                                                      fmi3LogMessageCallback log, void (*clock)(void *),
-                                                      void (*lock)(void), void (*unlock)(void)) {
+EXPORT(fmi3Instance, fmi3InstantiateScheduledExecution)(fmi3String name, fmi3String token, fmi3String resources,
+                                                        fmi3Boolean visible, fmi3Boolean logging,
+                                                        fmi3InstanceEnvironment environment,
+                                                        fmi3LogMessageCallback log, void (*clock)(void *),
+                                                        void (*lock)(void), void (*unlock)(void)) {
     (void)resources, (void)visible, (void)logging, (void)clock, (void)lock, (void)unlock;
     return instantiate(CO_SIMULATION, name, token, environment, log,
                        "this FMU offers co-simulation and model exchange, no scheduled execution");
 }
 
-EXPORT void fmi3FreeInstance(fmi3Instance c) {
+EXPORT(void, fmi3FreeInstance)(fmi3Instance c) {
     if (!c || NOW != NO_UPDATE) return;
     slave_clear(c);
     free(c);
 }
 
-EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean tolerance_defined, fmi3Float64 tolerance,
-                                              fmi3Float64 start, fmi3Boolean stop_defined, fmi3Float64 stop) {
+EXPORT(fmi3Status, fmi3EnterInitializationMode)(fmi3Instance c, fmi3Boolean tolerance_defined, fmi3Float64 tolerance,
+                                                fmi3Float64 start, fmi3Boolean stop_defined, fmi3Float64 stop) {
     (void)tolerance_defined, (void)tolerance;
     NEEDS_INSTANCE;
     if (slave_experiment(c, start, stop_defined, stop) != OK) return ERROR;
     return slave_enter_initialization(c);
 }
 
-EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance c) {
+EXPORT(fmi3Status, fmi3ExitInitializationMode)(fmi3Instance c) {
     NEEDS_INSTANCE;
     return slave_exit_initialization(c);
 }
 
-EXPORT fmi3Status fmi3Terminate(fmi3Instance c) {
+EXPORT(fmi3Status, fmi3Terminate)(fmi3Instance c) {
     NEEDS_INSTANCE;
     NEEDS_NO_UPDATE;
     return core_terminate(CORE);
 }
 
-EXPORT fmi3Status fmi3Reset(fmi3Instance c) {
+EXPORT(fmi3Status, fmi3Reset)(fmi3Instance c) {
     NEEDS_INSTANCE;
     NEEDS_NO_UPDATE;
     return slave_reset(c);
@@ -125,8 +125,8 @@ Status check_count(Slave *c, const fmi3ValueReference vr[], size_t count, size_t
                      (unsigned)total, (unsigned)value_count);
 }
 
-EXPORT fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference vr[], size_t count, fmi3Float64 value[],
-                                 size_t value_count) {
+EXPORT(fmi3Status, fmi3GetFloat64)(fmi3Instance c, const fmi3ValueReference vr[], size_t count, fmi3Float64 value[],
+                                   size_t value_count) {
     int scalar;
     NEEDS_INSTANCE;
     NEEDS_LISTS(count, vr, value);
@@ -143,8 +143,8 @@ EXPORT fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference vr[], 
     return OK;
 }
 
-EXPORT fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
-                                 const fmi3Float64 value[], size_t value_count) {
+EXPORT(fmi3Status, fmi3SetFloat64)(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
+                                   const fmi3Float64 value[], size_t value_count) {
     int scalar;
     NEEDS_INSTANCE;
     NEEDS_LISTS(count, vr, value);
@@ -158,8 +158,8 @@ EXPORT fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference vr[], 
 }
 
 #define WHOLE_NUMBERS(name, type, kind)                                                                      \
-    EXPORT fmi3Status fmi3Get##name(fmi3Instance c, const fmi3ValueReference vr[], size_t count, type value[], \
-                                    size_t value_count) {                                                    \
+    EXPORT(fmi3Status, fmi3Get##name)(fmi3Instance c, const fmi3ValueReference vr[], size_t count, type value[], \
+                                      size_t value_count) {                                                  \
         int scalar;                                                                                          \
         NEEDS_INSTANCE;                                                                                      \
         NEEDS_LISTS(count, vr, value);                                                                       \
@@ -171,8 +171,8 @@ EXPORT fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference vr[], 
         }                                                                                                    \
         return OK;                                                                                           \
     }                                                                                                        \
-    EXPORT fmi3Status fmi3Set##name(fmi3Instance c, const fmi3ValueReference vr[], size_t count,             \
-                                    const type value[], size_t value_count) {                                \
+    EXPORT(fmi3Status, fmi3Set##name)(fmi3Instance c, const fmi3ValueReference vr[], size_t count,           \
+                                      const type value[], size_t value_count) {                              \
         int scalar;                                                                                          \
         NEEDS_INSTANCE;                                                                                      \
         NEEDS_LISTS(count, vr, value);                                                                       \
@@ -187,35 +187,35 @@ WHOLE_NUMBERS(Int32, int32_t, INTEGER)
 WHOLE_NUMBERS(Int64, int64_t, ENUMERATION)
 WHOLE_NUMBERS(Boolean, fmi3Boolean, BOOLEAN)
 
-EXPORT fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *state) {
+EXPORT(fmi3Status, fmi3GetFMUState)(fmi3Instance c, fmi3FMUState *state) {
     NEEDS_INSTANCE;
     NEEDS_NO_UPDATE;
     return slave_save(c, state);
 }
 
-EXPORT fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state) {
+EXPORT(fmi3Status, fmi3SetFMUState)(fmi3Instance c, fmi3FMUState state) {
     NEEDS_INSTANCE;
     NEEDS_NO_UPDATE;
     return slave_restore(c, state);
 }
 
-EXPORT fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state) {
+EXPORT(fmi3Status, fmi3FreeFMUState)(fmi3Instance c, fmi3FMUState *state) {
     NEEDS_INSTANCE;
     return slave_free_state(state);
 }
 
-EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state, size_t *size) {
+EXPORT(fmi3Status, fmi3SerializedFMUStateSize)(fmi3Instance c, fmi3FMUState state, size_t *size) {
     NEEDS_INSTANCE;
     return slave_serialized_size(c, state, size);
 }
 
-EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
+EXPORT(fmi3Status, fmi3SerializeFMUState)(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
     NEEDS_INSTANCE;
     return slave_serialize(c, state, bytes, size);
 }
 
-EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[], size_t size,
-                                          fmi3FMUState *state) {
+EXPORT(fmi3Status, fmi3DeserializeFMUState)(fmi3Instance c, const fmi3Byte bytes[], size_t size,
+                                            fmi3FMUState *state) {
     NEEDS_INSTANCE;
     return slave_deserialize(c, bytes, size, state);
 }

@@ -15,10 +15,10 @@ static uint32_t *opened(const fmi3ValueReference one[], size_t one_count, const 
     return open;
 }
 
-EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference unknown[],
-                                               size_t unknown_count, const fmi3ValueReference known[],
-                                               size_t known_count, const fmi3Float64 seed[], size_t seed_count,
-                                               fmi3Float64 sensitivity[], size_t sensitivity_count) {
+EXPORT(fmi3Status, fmi3GetDirectionalDerivative)(fmi3Instance c, const fmi3ValueReference unknown[],
+                                                 size_t unknown_count, const fmi3ValueReference known[],
+                                                 size_t known_count, const fmi3Float64 seed[], size_t seed_count,
+                                                 fmi3Float64 sensitivity[], size_t sensitivity_count) {
     int scalar_unknown, scalar_known;
     NEEDS_INSTANCE;
     NEEDS_LISTS(unknown_count, unknown, sensitivity);
@@ -38,10 +38,10 @@ EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueRe
 }
 
 /* The transposed product, known by known: exact, at the price of one directional derivative each. */
-EXPORT fmi3Status fmi3GetAdjointDerivative(fmi3Instance c, const fmi3ValueReference unknown[],
-                                           size_t unknown_count, const fmi3ValueReference known[],
-                                           size_t known_count, const fmi3Float64 seed[], size_t seed_count,
-                                           fmi3Float64 sensitivity[], size_t sensitivity_count) {
+EXPORT(fmi3Status, fmi3GetAdjointDerivative)(fmi3Instance c, const fmi3ValueReference unknown[],
+                                             size_t unknown_count, const fmi3ValueReference known[],
+                                             size_t known_count, const fmi3Float64 seed[], size_t seed_count,
+                                             fmi3Float64 sensitivity[], size_t sensitivity_count) {
     int scalar;
     const double one = 1.0;
     NEEDS_INSTANCE;
@@ -64,11 +64,9 @@ EXPORT fmi3Status fmi3GetAdjointDerivative(fmi3Instance c, const fmi3ValueRefere
     return status;
 }
 
-/* Of each element of the variable, in turn, the variables that it depends on directly. */
-EXPORT fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance c, fmi3ValueReference vr, size_t *count) {
+static Status count_dependencies(Slave *c, fmi3ValueReference vr, size_t *count) {
     const uint32_t *element;
     int scalar;
-    NEEDS_INSTANCE;
     size_t size = elements(&vr, &element);
     if (!count) return slave_refuse(c, "a place for the number of dependencies is needed");
     if (check_count(c, &vr, 1, size, &scalar) != OK) return ERROR;
@@ -83,12 +81,19 @@ EXPORT fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance c, fmi3ValueR
     return OK;
 }
 
-EXPORT fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueReference vr, size_t dependent_element[],
-                                              fmi3ValueReference independent[], size_t independent_element[],
-                                              fmi3DependencyKind kind[], size_t count) {
+/* Of each element of the variable, in turn, the variables that it depends on directly. */
+EXPORT(fmi3Status, fmi3GetNumberOfVariableDependencies)(fmi3Instance c, fmi3ValueReference vr, size_t *count) {
+    NEEDS_INSTANCE;
+    return count_dependencies(c, vr, count);
+}
+
+EXPORT(fmi3Status, fmi3GetVariableDependencies)(fmi3Instance c, fmi3ValueReference vr, size_t dependent_element[],
+                                                fmi3ValueReference independent[], size_t independent_element[],
+                                                fmi3DependencyKind kind[], size_t count) {
     const uint32_t *element;
     size_t known;
-    if (fmi3GetNumberOfVariableDependencies(c, vr, &known) != OK) return ERROR;
+    NEEDS_INSTANCE;
+    if (count_dependencies(c, vr, &known) != OK) return ERROR;
     NEEDS_LISTS(count, dependent_element && independent, independent_element && kind);
     if (count != known)
         return core_fail(CORE, "value reference %u has %u dependencies, and the call asks for %u", (unsigned)vr,

@@ -3,31 +3,31 @@
 
 /* Model exchange. */
 
-EXPORT fmi3Status fmi3EnterEventMode(fmi3Instance c) {
+EXPORT(fmi3Status, fmi3EnterEventMode)(fmi3Instance c) {
     NEEDS_INSTANCE;
     return core_enter_event_mode(CORE);
 }
 
-EXPORT fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance c) {
+EXPORT(fmi3Status, fmi3EvaluateDiscreteStates)(fmi3Instance c) {
     return slave_refuse(c, "the memory of this FMU follows at fmi3UpdateDiscreteStates; there is nothing to evaluate before");
 }
 
-EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *need_update, fmi3Boolean *terminate,
-                                           fmi3Boolean *nominals_changed, fmi3Boolean *values_changed,
-                                           fmi3Boolean *next_event_defined, fmi3Float64 *next_event) {
+EXPORT(fmi3Status, fmi3UpdateDiscreteStates)(fmi3Instance c, fmi3Boolean *need_update, fmi3Boolean *terminate,
+                                             fmi3Boolean *nominals_changed, fmi3Boolean *values_changed,
+                                             fmi3Boolean *next_event_defined, fmi3Float64 *next_event) {
     NEEDS_INSTANCE;
     NEEDS_LISTS(1, need_update && terminate && nominals_changed, values_changed && next_event_defined && next_event);
     *need_update = *terminate = *nominals_changed = *values_changed = *next_event_defined = false;
     return core_new_discrete_states(CORE);
 }
 
-EXPORT fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c) {
+EXPORT(fmi3Status, fmi3EnterContinuousTimeMode)(fmi3Instance c) {
     NEEDS_INSTANCE;
     return core_enter_continuous_mode(CORE);
 }
 
-EXPORT fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean no_set, fmi3Boolean *event,
-                                              fmi3Boolean *terminate) {
+EXPORT(fmi3Status, fmi3CompletedIntegratorStep)(fmi3Instance c, fmi3Boolean no_set, fmi3Boolean *event,
+                                                fmi3Boolean *terminate) {
     (void)no_set;
     int enter = 0;
     NEEDS_INSTANCE;
@@ -38,13 +38,13 @@ EXPORT fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean no_set
     return status;
 }
 
-EXPORT fmi3Status fmi3SetTime(fmi3Instance c, fmi3Float64 time) {
+EXPORT(fmi3Status, fmi3SetTime)(fmi3Instance c, fmi3Float64 time) {
     NEEDS_INSTANCE;
     return core_set_time(CORE, time);
 }
 
 #define STATE_VECTOR(name, function, type)                                    \
-    EXPORT fmi3Status fmi3##name(fmi3Instance c, type value[], size_t count) { \
+    EXPORT(fmi3Status, fmi3##name)(fmi3Instance c, type value[], size_t count) { \
         NEEDS_INSTANCE;                                                       \
         NEEDS_LISTS(count, value, value);                                     \
         return function(CORE, value, count);                                  \
@@ -56,7 +56,7 @@ STATE_VECTOR(GetNominalsOfContinuousStates, core_nominals, fmi3Float64)
 STATE_VECTOR(GetEventIndicators, core_event_indicators, fmi3Float64)
 
 #define STATE_COUNT(name, number)                                 \
-    EXPORT fmi3Status fmi3##name(fmi3Instance c, size_t *count) { \
+    EXPORT(fmi3Status, fmi3##name)(fmi3Instance c, size_t *count) { \
         NEEDS_INSTANCE;                                           \
         NEEDS_LISTS(1, count, count);                             \
         *count = (number);                                        \
@@ -92,9 +92,9 @@ static Status step_with_updates(Fmu *c, double time, double size, fmi3Boolean *e
     return OK;
 }
 
-EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 size, fmi3Boolean no_set,
-                             fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early,
-                             fmi3Float64 *last_time) {
+EXPORT(fmi3Status, fmi3DoStep)(fmi3Instance c, fmi3Float64 time, fmi3Float64 size, fmi3Boolean no_set,
+                               fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early,
+                               fmi3Float64 *last_time) {
     (void)no_set;
     NEEDS_INSTANCE;
     NEEDS_NO_UPDATE;
@@ -108,12 +108,12 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 size,
     return status;
 }
 
-EXPORT fmi3Status fmi3EnterStepMode(fmi3Instance c) {
+EXPORT(fmi3Status, fmi3EnterStepMode)(fmi3Instance c) {
     return slave_refuse(c, "this FMU has no event mode in co-simulation to come back from");
 }
 
-EXPORT fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
-                                           const int32_t order[], fmi3Float64 value[], size_t value_count) {
+EXPORT(fmi3Status, fmi3GetOutputDerivatives)(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
+                                             const int32_t order[], fmi3Float64 value[], size_t value_count) {
     (void)vr, (void)order, (void)value, (void)value_count;
     return c && count == 0 ? OK : slave_refuse(c, "output derivatives are outputs of their own (attribute derivative)");
 }

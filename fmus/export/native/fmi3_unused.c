@@ -6,22 +6,22 @@
 #endif
 
 /* Structural parameters are what these modes are for. */
-EXPORT fmi3Status fmi3EnterConfigurationMode(fmi3Instance c) {
+EXPORT(fmi3Status, fmi3EnterConfigurationMode)(fmi3Instance c) {
     return slave_refuse(c, "this FMU has no structural parameters to configure");
 }
 
-EXPORT fmi3Status fmi3ExitConfigurationMode(fmi3Instance c) {
+EXPORT(fmi3Status, fmi3ExitConfigurationMode)(fmi3Instance c) {
     return slave_refuse(c, "this FMU has no structural parameters to configure");
 }
 
 #define NO_VARIABLES(name, type)                                                                             \
-    EXPORT fmi3Status fmi3Get##name(fmi3Instance c, const fmi3ValueReference vr[], size_t count, type value[], \
-                                    size_t value_count) {                                                    \
+    EXPORT(fmi3Status, fmi3Get##name)(fmi3Instance c, const fmi3ValueReference vr[], size_t count, type value[], \
+                                      size_t value_count) {                                                  \
         (void)vr, (void)value, (void)value_count;                                                            \
         return c && count == 0 ? OK : slave_refuse(c, "this FMU has no variables of type " #name);           \
     }                                                                                                        \
-    EXPORT fmi3Status fmi3Set##name(fmi3Instance c, const fmi3ValueReference vr[], size_t count,             \
-                                    const type value[], size_t value_count) {                                \
+    EXPORT(fmi3Status, fmi3Set##name)(fmi3Instance c, const fmi3ValueReference vr[], size_t count,           \
+                                      const type value[], size_t value_count) {                              \
         (void)vr, (void)value, (void)value_count;                                                            \
         return c && count == 0 ? OK : slave_refuse(c, "this FMU has no variables of type " #name);           \
     }
@@ -35,7 +35,7 @@ NO_VARIABLES(UInt64, uint64_t)
 NO_VARIABLES(String, fmi3String)
 
 #define NOT_OFFERED(name, what, ...)                                        \
-    EXPORT fmi3Status fmi3##name(fmi3Instance c, ##__VA_ARGS__) {           \
+    EXPORT(fmi3Status, fmi3##name)(fmi3Instance c, ##__VA_ARGS__) {         \
         return slave_refuse(c, "this FMU has no " what); \
     }
 #define REFERENCES const fmi3ValueReference vr[], size_t count

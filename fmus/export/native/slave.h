@@ -6,10 +6,12 @@
 #include "core.h"
 
 #if defined(_WIN32)
-#define EXPORT __declspec(dllexport)
+#define VISIBLE __declspec(dllexport)
 #else
-#define EXPORT __attribute__((visibility("default")))
+#define VISIBLE __attribute__((visibility("default")))
 #endif
+/* Begins a function of the standard. */
+#define EXPORT(type, name) VISIBLE type JOINED(PREFIX, name)
 
 typedef struct {
     Instance *core;
