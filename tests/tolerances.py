@@ -148,6 +148,16 @@ scatter, 6.5 % measured where it falls steeply."""
 WELCH_VARIANCE = 0.1
 """Welch's variance against that of one record of 30 s, whose ends the windows weigh less."""
 
+HUNTING_GROWTH = 1e-3
+"""Relative error of a growth rate fitted to the small phase of hunting: 2e-4 measured."""
+
+LIMIT_CYCLE = 2e-3
+"""Relative error of a limit cycle's amplitude, whose known values have three digits."""
+
+ENERGY_OF_CYCLE = 0.01
+"""What enters and what is lost over whole cycles, of what enters: some 1e-3 from sampling kinks at
+2 ms."""
+
 LOOP_ENERGY = 2e-3
 """Energy of a sampled loop against 4 f (A - f/Kf): 1000 samples or more cut its corners."""
 

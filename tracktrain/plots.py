@@ -172,7 +172,7 @@ def _panels(
         hspace=0.12,
     )
     for axes, panel in zip(grid, panels, strict=True):
-        axes.plot(*_envelope(x, panel.values * panel.scale.factor), color=panel.colour)
+        axes.plot(*envelope(x, panel.values * panel.scale.factor), color=panel.colour)
         axes.set_ylabel(f"{panel.label}\n[{panel.scale.unit}]")
         axes.yaxis.set_label_coords(LABEL, 0.5)
         axes.margins(x=0.0, y=0.08)
@@ -186,7 +186,7 @@ def _panels(
     return figure, list(grid)
 
 
-def _envelope(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def envelope(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The curve itself or, of a long one, the extremes of each of `POINTS`/2 intervals."""
     width = len(x) // (POINTS // 2)
     if width < 2:

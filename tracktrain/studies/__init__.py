@@ -11,6 +11,7 @@ from .outcome import Outcome
 
 STUDIES = {
     "response": "Response to irregular track, with spectra (Figures 6-1 to 6-6)",
+    "hunting": "Nonlinear hunting, limit cycle against speed (Figures 7-1 to 7-12)",
     "stability": "Eigenvalues of the linearised car against speed (Figures 7-14 to 7-16)",
     "sensitivity": "What drives the hunting: derivatives of growth and critical speed",
     "carbody-survey": "Carbody on air springs: modal survey (Table 4-1, Figures 4-8, 4-9)",

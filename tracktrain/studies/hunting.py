@@ -1,0 +1,398 @@
+"""Nonlinear hunting on perfect track: transients, limit cycles against speed, critical speed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import click
+import numpy as np
+
+from ..hopper import CARS
+from ..options import Name, Quantity
+from ..scales import FOOT, MILE_PER_HOUR
+from ..terminal import Progress
+from .command import study_command
+from .hunting_cycle import AXLE, RECORD, WHEELSETS, Cycle, limit_cycle
+from .hunting_pictures import coordinates_figure, elements_figure, staircase_figure
+from .hunting_runs import LARGE, Plateau, bisected, driven, on_perfect_track
+from .outcome import Outcome
+from .ringdown import Oscillation, oscillation
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from orchestrator import Session
+
+SPEEDS = (60 * FOOT, 80 * FOOT, 100 * FOOT)
+"""The report's three speeds [m/s]."""
+
+INITIAL_YAW = np.deg2rad(0.005)
+"""Of the front truck, from which the report starts [rad]."""
+
+LINEAR = 4e-3
+"""Motion of the leading axle up to which friction sticks and no flange touches [m]."""
+
+BETWEEN = (40 * FOOT, 120 * FOOT)
+"""Speeds of the staircase [m/s]."""
+
+STAIR = 5 * FOOT
+"""Height of a stair [m/s]."""
+
+LONGEST = 150.0
+"""Time that a speed is held at most [s]."""
+
+RESOLUTION = 0.1 * FOOT
+"""Width of the bracket around the critical speed [m/s]."""
+
+WATCHED = (25.0, 50.0, 100.0, 150.0)
+"""Watching times whose influence on the critical speed is told [s]."""
+
+EVERY = 2
+"""Macro steps between two rows of a transient that are kept."""
+
+
+@dataclass(frozen=True)
+class Transient:
+    """A run from the initial yaw at one speed [m/s], its small motion and its limit cycle."""
+
+    speed: float
+    dataset: xr.Dataset
+    growth: Oscillation
+    exact: float
+    cycle: Cycle | None
+
+
+def hunting(
+    car: str = "loaded",
+    speeds: Sequence[float] = SPEEDS,
+    duration: float = 80.0,
+    initial_yaw: float = INITIAL_YAW,
+    staircase: tuple[float, float] | None = BETWEEN,
+    longest: float = LONGEST,
+    progress: Progress | None = None,
+) -> Outcome:
+    """Hunting from a small yaw of the front truck, and its limit cycle against speed.
+
+    Report Figures 7-1 to 7-12 at each of `speeds` [m/s], runs of `duration` [s]. The staircase of
+    speeds [m/s] is climbed and descended, each held until the motion has settled, at most `longest`
+    [s]; the state is carried along. The nonlinear critical speed is the lowest that keeps the limit
+    cycle of the staircase's upper end. staircase: None leaves both out.
+    """
+    from orchestrator import Session
+
+    values = _values(car)
+    share = 0.3 if staircase else 1.0
+    transients: list[Transient] = []
+    plateaus: list[Plateau] = []
+    tried: list[Plateau] = []
+    with Session() as session:
+        for number, speed in enumerate(speeds, start=1):
+            transients.append(_transient(car, speed, duration, initial_yaw, values, session))
+            if progress:
+                progress(share * number / len(speeds))
+        if staircase:
+            low, high = staircase
+            steps = np.linspace(low, high, round((high - low) / STAIR) + 1)
+            system = on_perfect_track(car, low, initial_yaw)
+            plateaus = driven(system, [*steps, *steps[-2::-1]], longest, session)
+            if progress:
+                progress(0.7)
+            system = on_perfect_track(car, high, initial_yaw)
+            tried = bisected(system, low, high, longest, RESOLUTION, session)
+    tables = {
+        "limit_cycles": _cycles_table(transients),
+        "elements": _elements_table(transients),
+        "energy": _energy_table(transients),
+    }
+    pictures = {
+        f"figures_7_1_to_7_12_{t.speed / FOOT:.0f}_fps": coordinates_figure(t.dataset)
+        for t in transients
+    }
+    pictures["elements"] = elements_figure(transients)
+    critical = _linear_critical_speeds(car, staircase) if staircase else []
+    if staircase:
+        tables |= {
+            "staircase": _staircase_table(plateaus),
+            "critical_speed": _critical_table(tried, critical, longest),
+        }
+        pictures["limit_cycle_against_speed"] = staircase_figure(plateaus, tried, critical)
+    return Outcome(
+        title=f"Hunting of the {car} car from {np.rad2deg(initial_yaw):.3g} degree of yaw",
+        dataset=_dataset(transients, plateaus).assign_attrs(car=car, initial_yaw=initial_yaw),
+        tables=tables,
+        pictures=pictures,
+        notes=_notes(transients, plateaus, tried, staircase),
+    )
+
+
+command = study_command(
+    "hunting",
+    click.option(
+        "--car", type=Name("car", CARS), default="loaded", show_default=True, help="Parameter set."
+    ),
+    click.option(
+        "--speed",
+        "speeds",
+        type=Quantity("speed", "m/s", ("ft/s", "mph", "m/s", "km/h"), "60 ft/s"),
+        multiple=True,
+        default=("60 ft/s", "80 ft/s", "100 ft/s"),
+        show_default=True,
+        metavar="SPEED",
+        help="Speed of a transient. Repeatable.",
+    ),
+    click.option(
+        "--duration",
+        type=Quantity("duration", "s", ("s", "min"), "80s"),
+        default="80s",
+        show_default=True,
+        metavar="TIME",
+        help="Simulated time of each transient.",
+    ),
+    click.option(
+        "--yaw",
+        "initial_yaw",
+        type=Quantity("yaw", "rad", ("deg", "rad", "mrad"), "0.005 deg"),
+        default="0.005 deg",
+        show_default=True,
+        metavar="ANGLE",
+        help="Yaw of the front truck at the start.",
+    ),
+    click.option(
+        "--staircase",
+        type=Quantity("speed", "m/s", ("ft/s", "mph", "m/s", "km/h"), "60 ft/s"),
+        nargs=2,
+        default=("40 ft/s", "120 ft/s"),
+        show_default=True,
+        metavar="LOW HIGH",
+        help="Speeds between which the limit cycle is followed up and down.",
+    ),
+    click.option(
+        "--no-staircase",
+        "staircase",
+        flag_value=None,
+        is_flag=True,
+        help="Transients only.",
+    ),
+    click.option(
+        "--longest",
+        type=Quantity("time", "s", ("s", "min"), "150s"),
+        default=f"{LONGEST:g}s",
+        show_default=True,
+        metavar="TIME",
+        help="Time that a speed of the staircase is held at most, if the motion does not settle.",
+    ),
+    epilog="""\b
+Examples:
+  tracktrain study hunting
+  tracktrain study hunting --car empty --staircase "60 ft/s" "140 ft/s"
+  tracktrain study hunting --speed "70 mph" --duration 30s --no-staircase""",
+)(hunting)
+
+
+def _values(car: str) -> Mapping[str, Mapping[str, float]]:
+    from fmus import BLOCKS
+    from fmus.parameters import parameter_set
+
+    given = parameter_set(car)
+    return {name: given.values(BLOCKS[name]()) for name in ("carbody", "truck", "wheelrail")}
+
+
+def _transient(
+    car: str,
+    speed: float,
+    duration: float,
+    initial_yaw: float,
+    values: Mapping[str, Mapping[str, float]],
+    session: Session,
+) -> Transient:
+    from orchestrator import simulate
+
+    from ..errors import TracktrainError
+    from ..linear import LinearCar
+
+    system = on_perfect_track(car, speed, initial_yaw)
+    run = simulate(system, duration=duration, record=RECORD, every=EVERY, session=session)
+    if not run.completed:
+        raise TracktrainError(f"the run at {speed:g} m/s stopped: {run.message}")
+    y = run.dataset[AXLE].values
+    large = np.flatnonzero(np.abs(y) > LINEAR)
+    end = int(large[0]) if large.size else len(y)
+    late = slice(end - end // 2, end)
+    growth = oscillation(run.time[late], y[late] / float(np.abs(y[late]).max()))
+    half = round(duration / 4 / (run.time[1] - run.time[0]))
+    kept = [np.ptp(part) / 2 for part in (y[-2 * half : -half], y[-half:])]
+    steady = min(kept) > LARGE / 10 and abs(kept[1] / kept[0] - 1) < 0.02
+    cycle = limit_cycle(run.dataset, values) if steady else None
+    return Transient(speed, run.dataset, growth, LinearCar(car).growth(speed), cycle)
+
+
+def _linear_critical_speeds(car: str, between: tuple[float, float]) -> list[float]:
+    from ..linear import LinearCar
+    from .stability import critical_speeds
+
+    return [c[0] for c in critical_speeds(LinearCar(car), np.arange(*between, 4 * FOOT))]
+
+
+def _cycles_table(transients: Sequence[Transient]) -> pd.DataFrame:
+    import pandas as pd
+
+    def row(t: Transient) -> dict[str, float]:
+        cycle = t.cycle
+        nothing = float("nan")
+        shares = [cycle.contact[w] for w in WHEELSETS] if cycle else [nothing]
+        return {
+            "speed [ft/s]": t.speed / FOOT,
+            "growth [1/s]": t.growth.growth,
+            "linear [1/s]": t.exact,
+            "amplitude [mm]": 1e3 * cycle.amplitude if cycle else nothing,
+            "frequency [Hz]": cycle.frequency if cycle else nothing,
+            "wavelength [m]": t.speed / cycle.frequency if cycle else nothing,
+            "flange, leading axle [%]": 100 * shares[0],
+            "all axles [%]": 100 * float(np.mean(shares)),
+        }
+
+    return pd.DataFrame([row(t) for t in transients]).set_index("speed [ft/s]")
+
+
+def _elements_table(transients: Sequence[Transient]) -> pd.DataFrame:
+    """How near the front truck's friction is to slipping, and what the elements dissipate."""
+    import pandas as pd
+
+    rows = [
+        {
+            "speed [ft/s]": t.speed / FOOT,
+            "element": element.replace("_", " "),
+            "friction/limit": t.cycle.used["truck_front", element],
+            "slips, front [%]": 100 * t.cycle.slipping["truck_front", element],
+            "rear [%]": 100 * t.cycle.slipping["truck_rear", element],
+            "energy [J]": energy,
+        }
+        for t in transients
+        if t.cycle
+        for element, energy in t.cycle.friction.items()
+    ]
+    names = ["speed [ft/s]", "element"]
+    return pd.DataFrame(rows).set_index(names) if rows else pd.DataFrame(columns=names)
+
+
+def _energy_table(transients: Sequence[Transient]) -> pd.DataFrame:
+    import pandas as pd
+
+    rows = [
+        {
+            "speed [ft/s]": t.speed / FOOT,
+            "from the rails [J/cycle]": t.cycle.rails,
+            "friction [J/cycle]": sum(t.cycle.friction.values()),
+            "carbody damping [J/cycle]": t.cycle.carbody,
+            "centre plates [J/cycle]": t.cycle.centre_plates,
+            "unexplained [J/cycle]": t.cycle.rails - t.cycle.dissipated,
+        }
+        for t in transients
+        if t.cycle
+    ]
+    return pd.DataFrame(rows).set_index("speed [ft/s]") if rows else pd.DataFrame()
+
+
+def _staircase_table(plateaus: Sequence[Plateau]) -> pd.DataFrame:
+    """The stairs in their order; the amplitude is that of the last window."""
+    import pandas as pd
+
+    from .hunting_runs import WINDOW
+
+    top = int(np.argmax([p.speed for p in plateaus]))
+    rows = [
+        {
+            "way": "up" if n <= top else "down",
+            "speed [ft/s]": p.speed / FOOT,
+            "amplitude [mm]": 1e3 * p.amplitude,
+            "frequency [Hz]": p.frequency if p.amplitude > LARGE else float("nan"),
+            "held [s]": WINDOW * len(p.amplitudes),
+            "settled": "yes" if p.settled else "no",
+        }
+        for n, p in enumerate(plateaus)
+    ]
+    return pd.DataFrame(rows).set_index(["way", "speed [ft/s]"])
+
+
+def _critical_table(
+    tried: Sequence[Plateau], critical: Sequence[float], longest: float
+) -> pd.DataFrame:
+    """The bracket around the critical speed by watching time, and the linear critical speed.
+
+    A watched motion of more than `LARGE` counts as hunting, whether it falls or not; in the row
+    `settled` only one that stays what it is.
+    """
+    import pandas as pd
+
+    def row(name: str, hunting: Sequence[float], others: Sequence[float]) -> dict[str, object]:
+        lowest = min(hunting, default=float("nan"))
+        highest = max((v for v in others if not v > lowest), default=float("nan"))
+        return {
+            "judged": name,
+            "hunts down to [ft/s]": lowest / FOOT,
+            "no more at [ft/s]": highest / FOOT,
+            "middle [m/s]": (lowest + highest) / 2,
+            "middle [mph]": (lowest + highest) / 2 / MILE_PER_HOUR,
+        }
+
+    def rows() -> Iterator[dict[str, object]]:
+        for time in [*(t for t in WATCHED if t < longest), longest]:
+            still = [p.speed for p in tried if p.amplitude_after(time) > LARGE]
+            gone = [p.speed for p in tried if p.amplitude_after(time) <= LARGE]
+            yield row(f"above 2 mm after {time:g} s", still, gone)
+        kept = [p.speed for p in tried if p.hunts]
+        yield row("settled", kept, [p.speed for p in tried if not p.hunts])
+        for speed in critical:
+            yield row("linear, friction stuck", [speed], [speed])
+
+    return pd.DataFrame(rows()).set_index("judged")
+
+
+def _dataset(transients: Sequence[Transient], plateaus: Sequence[Plateau]) -> xr.Dataset:
+    """All histories over speed and time, and the staircase in its order."""
+    import xarray as xr
+
+    speed = xr.DataArray([t.speed for t in transients], dims="speed", attrs={"units": "m/s"})
+    data = xr.concat([t.dataset for t in transients], dim=speed.rename("speed"))
+    data.attrs.clear()
+    found = {
+        "staircase.speed": ("m/s", [p.speed for p in plateaus]),
+        "staircase.amplitude": ("m", [p.amplitude for p in plateaus]),
+        "staircase.frequency": ("Hz", [p.frequency for p in plateaus]),
+        "staircase.settled": ("1", [float(p.settled) for p in plateaus]),
+    }
+    stairs = {
+        name: (("stair",), np.array(values), {"units": unit})
+        for name, (unit, values) in found.items()
+    }
+    return data.assign(stairs if plateaus else {})
+
+
+def _notes(
+    transients: Sequence[Transient],
+    plateaus: Sequence[Plateau],
+    tried: Sequence[Plateau],
+    staircase: tuple[float, float] | None,
+) -> list[str]:
+    notes = [
+        f"at {t.speed / FOOT:.0f} ft/s the motion has not settled to a limit cycle"
+        for t in transients
+        if t.cycle is None
+    ]
+    open_ended = sorted({round(p.speed / FOOT, 1) for p in plateaus if not p.settled})
+    if open_ended:
+        where = ", ".join(f"{speed:g}" for speed in open_ended)
+        notes.append(f"not settled when the driver went on (hollow points): {where} ft/s")
+    if staircase and not tried:
+        notes.append(
+            f"the car does not hunt at {staircase[1] / FOOT:.0f} ft/s, the staircase's upper end"
+        )
+    if staircase:
+        notes.append(
+            "near the critical speed growth and decay are slow: the longer a speed is watched, the "
+            "more of what looks like a limit cycle dies"
+        )
+    return notes
