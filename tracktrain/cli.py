@@ -22,6 +22,7 @@ from .fmu_command import fmu
 from .master_options import coupling, master_options
 from .model_commands import new, pack
 from .options import Name
+from .report.command import report
 from .run_options import RESUMED, isolated, logged, run_options, survival
 from .self_test_command import test
 from .studies.command import study
@@ -63,6 +64,7 @@ main.add_command(fmu)
 main.add_command(new)
 fmu.add_command(pack)
 fmu.add_command(test)
+main.add_command(report)
 main.add_command(study)
 
 
@@ -167,6 +169,7 @@ def run(
     out: Path,
     quiet: bool,
     csv: bool,
+    page: bool,
     resume: Path | None,
     isolate: tuple[str, ...],
     log: Path | None,
@@ -219,7 +222,7 @@ def run(
             stage("running")
             result = start(progress=progress, logger=logger)
             stage("writing")
-            lost = _write(result, folder, csv)
+            lost = _write(result, folder, csv, page)
         if result.completed:
             shutil.rmtree(folder / FMUS_OF_CHECKPOINT, ignore_errors=True)
         if not quiet:
@@ -269,12 +272,19 @@ def export(file: Path, standard: str | None, changes_only: bool, **shape: Any) -
         click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
 
 
-def _write(result: Run, folder: Path, csv: bool) -> list[str]:
+def _write(result: Run, folder: Path, csv: bool, page: bool) -> list[str]:
     """Write what is made of results.nc, and say what could not be."""
     from . import plots
+    from .results import BONDS, bond_table
 
     try:
+        bonds = bond_table(result)
+        bonds.to_csv(folder / BONDS)
         plots.write_pictures(result.dataset, folder)
+        if page:
+            from .report import write_report
+
+            write_report(result.dataset, folder, bonds)
         if csv:
             result.write_csv(folder)
     except OSError as error:

@@ -8,7 +8,12 @@ from typing import TYPE_CHECKING
 from .errors import TracktrainError
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
+
+    from orchestrator import Run
+
+BONDS = "bonds.csv"
 
 
 def opened(folder: Path) -> xr.Dataset:
@@ -26,3 +31,28 @@ def opened(folder: Path) -> xr.Dataset:
         return xr.open_dataset(path, engine="netcdf4")
     except (OSError, ValueError) as error:
         raise TracktrainError(f"'{path}' cannot be read: {error}") from None
+
+
+def bond_table(run: Run) -> pd.DataFrame:
+    """Energy through each bond of a run, and what its two sides saw differently [J]."""
+    import pandas as pd
+
+    rows = [
+        {
+            "bond": bond.name,
+            "passed [J]": bond.passed,
+            "residual [J]": bond.residual,
+            "residual over passed": bond.relative,
+        }
+        for bond in run.bonds
+    ]
+    columns = ["bond", "passed [J]", "residual [J]", "residual over passed"]
+    return pd.DataFrame(rows, columns=columns).set_index("bond")
+
+
+def read_bonds(folder: Path) -> pd.DataFrame | None:
+    """The bond table in a run's folder, if it is there."""
+    import pandas as pd
+
+    path = folder / BONDS
+    return pd.read_csv(path, index_col="bond") if path.is_file() else None

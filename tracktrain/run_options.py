@@ -17,7 +17,7 @@ from .options import Name, Quantity
 if TYPE_CHECKING:
     from orchestrator import Log, Mock, System
 
-RESUMED = ("resume", "csv", "quiet", "log", "log_level")
+RESUMED = ("resume", "csv", "page", "quiet", "log", "log_level")
 """Options that a run which goes on may still have."""
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -47,6 +47,9 @@ _OPTIONS: tuple[Callable[[Any], Any], ...] = (
         help="Most that rows not yet in results.nc may take in memory.",
     ),
     click.option("--csv", is_flag=True, help="Write results.csv, too."),
+    click.option(
+        "--report", "page", is_flag=True, help="Write report.html, too: the run as one page."
+    ),
     click.option(
         "--checkpoint",
         type=Quantity("time between checkpoints", "s", ("s", "min", "ms"), "10s"),

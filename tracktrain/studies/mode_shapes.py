@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..hopper import TRUCKS
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -20,8 +22,24 @@ FRAMES = 24
 HEIGHT, HALF_WIDTH = 2.4, 1.5
 """Of the drawn carbody above its centre plates, and across [m]; for the eye only."""
 
+WHEEL_RADIUS = 0.42
+"""[m]; for the eye only."""
+
 DRAWN = 0.6
 """Largest displacement in the drawing [m]."""
+
+
+RIM = [
+    (WHEEL_RADIUS * float(np.cos(a)), WHEEL_RADIUS * float(np.sin(a)))
+    for a in np.linspace(0, 2 * np.pi, 25)
+]
+"""Points of a wheel about its axle [m]."""
+
+COORDINATES = (
+    *(f"carbody.q[{i}]" for i in range(1, 9)),
+    *(f"{truck}.q[{i}]" for truck in TRUCKS for i in range(1, 7)),
+)
+"""The coordinates that the wire frame moves with."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +59,19 @@ def wire_frame(
     shape: complex amplitude by "instance.q[i]"; carbody, truck: the blocks' parameter values [SI].
     """
     return [*_carbody(shape, carbody), *_trucks(shape, carbody, truck)]
+
+
+def unit_motions(
+    carbody: Mapping[str, float], truck: Mapping[str, float]
+) -> tuple[list[Line], Array]:
+    """The wire frame at rest, and the displacement of its points per unit of each coordinate.
+
+    Shape (coordinates, points, 3), in the order of `COORDINATES` and of the lines' points: motion
+    is linear in the coordinates, so that these tell every motion of the car.
+    """
+    frames = [wire_frame({name: 1.0}, carbody, truck) for name in COORDINATES]
+    motions = [np.concatenate([line.motion.real for line in frame]) for frame in frames]
+    return frames[0], np.array(motions)
 
 
 def _carbody(shape: Mapping[str, complex], p: Mapping[str, float]) -> Iterator[Line]:
@@ -96,7 +127,7 @@ def _trucks(
     ):
         q = [shape.get(f"{instance}.q[{i}]", 0.0) for i in range(1, 7)]
         centre = q[0] + half * (q[1] + q[3])
-        axle_height = -0.35
+        axle_height = WHEEL_RADIUS - p["centre_plate_height"]
 
         def line(part: str, *ends: tuple[float, float, float, complex, complex, complex]) -> Line:
             return Line(np.array([e[:3] for e in ends]), np.array([e[3:] for e in ends]), part)
@@ -109,6 +140,21 @@ def _trucks(
                     for side in (1, -1)
                 ),
             )
+            for side in (1, -1):
+                yield line(
+                    "wheelset",
+                    *(
+                        (
+                            middle + x + along,
+                            side * half_gauge,
+                            axle_height + above,
+                            -q[1] * side * half_gauge,
+                            y + q[1] * along,
+                            0.0,
+                        )
+                        for along, above in RIM
+                    ),
+                )
         for side in (1, -1):
             yield line(
                 "side frame",

@@ -1,0 +1,92 @@
+"""A run as one page: a single HTML file that needs nothing else, and no network.
+
+write_report(run.dataset, Path("results"))
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from . import content, motion, series
+from .packing import Array, compressed, packed
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+NAME = "report.html"
+SCRIPTS = ("data.js", "scene.js", "player.js", "plots.js", "page.js")
+"""In the order in which they need each other."""
+
+
+def write_report(dataset: xr.Dataset, folder: Path, bonds: pd.DataFrame | None = None) -> Path:
+    """Write report.html into a folder and return it.
+
+    bonds: as `tracktrain.results.bond_table` gives it. Raises TracktrainError for a run without
+    two rows.
+    """
+    path = folder / NAME
+    path.write_text(page(dataset, bonds), encoding="utf-8")
+    return path
+
+
+def page(dataset: xr.Dataset, bonds: pd.DataFrame | None = None) -> str:
+    """The text of the page."""
+    from jinja2 import Environment, PackageLoader
+    from plotly.offline import get_plotlyjs
+
+    from ..assessment import assess
+    from ..errors import TracktrainError
+
+    if dataset.sizes.get("time", 0) < 2 or not dataset.data_vars:
+        raise TracktrainError("the run has no two rows of any signal; there is nothing to report")
+    index, blob, width = _data(dataset)
+    table = assess(dataset)
+    environment = Environment(
+        loader=PackageLoader(__name__, "page"), autoescape=True, trim_blocks=True
+    )
+    return environment.get_template("page.html").render(
+        title=content.title(dataset),
+        attributes=dataset.attrs,
+        facts=content.facts(dataset, table, bonds),
+        parameters=content.parameters(dataset),
+        fmus=content.fmus(dataset),
+        notes=content.texts(dataset, "notes"),
+        versions=content.versions(dataset),
+        assessment=table.reset_index().to_dict("records"),
+        bonds=None if bonds is None else bonds.reset_index().to_dict("records"),
+        rows=dataset.sizes["time"],
+        width=width,
+        index=index,
+        blob=blob,
+        plotly=compressed(get_plotlyjs().encode()),
+        styles=_text("page.css"),
+        script="\n".join(map(_text, SCRIPTS)),
+    )
+
+
+def _data(dataset: xr.Dataset) -> tuple[str, str, int]:
+    """What the scripts know of the run: JSON, and the arrays that it indexes; rows of a bin."""
+    drawn, width = series.curves(dataset)
+    arrays: dict[str, Array] = {**drawn, **series.spectra(dataset)}
+    known: dict[str, Any] = {"signals": series.described(dataset)}
+    for name, part in (("scene", motion.scene(dataset)), ("modes", motion.modes(dataset))):
+        known[name] = part[0] if part else None
+        arrays |= part[1] if part else {}
+    if known["scene"] is None:
+        known["modes"] = None
+    index, blob = packed(arrays)
+    return _json({**known, "arrays": index}), blob, width
+
+
+def _json(known: Mapping[str, Any]) -> str:
+    """JSON that can stand in a script element."""
+    return json.dumps(known, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def _text(name: str) -> str:
+    return (files(__name__) / "page" / name).read_text(encoding="utf-8")

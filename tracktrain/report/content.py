@@ -1,0 +1,150 @@
+"""What a run's page says in words and tables."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..assessment import EXCEEDED, PASSED
+from ..hopper import BLOCK_OF
+from ..scales import FOOT, MILE_PER_HOUR, three_digits
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from fmus.parameters import Entry
+
+
+@dataclass(frozen=True)
+class Fact:
+    """A number at the top of the page, what it is, and what to think of it."""
+
+    label: str
+    value: str
+    note: str = ""
+    tone: str = ""
+
+
+def title(dataset: xr.Dataset) -> str:
+    """What was run, in a line."""
+    if not {*BLOCK_OF} <= {*_fmus(dataset)}:
+        return f"Run of {len(_fmus(dataset))} FMUs"
+    return "Hopper car on irregular track" if _moves(dataset) else "Hopper car on perfect track"
+
+
+def facts(dataset: xr.Dataset, table: pd.DataFrame, bonds: pd.DataFrame | None) -> list[Fact]:
+    """The numbers at the top."""
+    time = dataset["time"].values
+    found = []
+    if "track.speed_out" in dataset:
+        speed = float(dataset["track.speed_out"].mean())
+        units = f"{speed / FOOT:.4g} ft/s, {speed / MILE_PER_HOUR:.3g} mph"
+        found.append(Fact("speed", f"{speed * 3.6:.3g} km/h", units))
+    span, step = float(time[-1] - time[0]), float(dataset.attrs.get("step", 0.0))
+    way = ""
+    if "track.distance" in dataset:
+        distance = dataset["track.distance"].values
+        way = f"{three_digits(float(distance[-1] - distance[0]))} m of track"
+    found.append(Fact("simulated", f"{span:.4g} s", way))
+    found.append(Fact("macro step", f"{1e3 * step:.4g} ms", f"{dataset.attrs.get('master', '')}"))
+    judged = table[table["result"].isin([PASSED, EXCEEDED])]
+    if len(judged):
+        over = int((judged["result"] == EXCEEDED).sum())
+        worst = judged["share"].idxmax()
+        found.append(
+            Fact(
+                "limits",
+                f"{over} exceeded" if over else f"all {len(judged)} kept",
+                f"most used: {worst}, {judged['share'].max():.0%}",
+                "bad" if over else "good",
+            )
+        )
+    if bonds is not None and len(bonds):
+        found.append(
+            Fact(
+                "energy residual",
+                f"{bonds['residual over passed'].max():.1e}",
+                "of the energy that passed, at most",
+            )
+        )
+    return found
+
+
+def parameters(dataset: xr.Dataset) -> list[dict[str, Any]]:
+    """Instance, name, value [SI], and of numbers out of the parameter files unit, basis, source."""
+    given: Mapping[str, Any] = json.loads(dataset.attrs.get("parameters", "{}"))
+    rows = []
+    for full, value in given.items():
+        instance, _, name = full.partition(".")
+        entry, changed = _entry(dataset, instance, name, value)
+        rows.append(
+            {
+                "instance": instance,
+                "name": name,
+                "value": f"{value:.6g}" if isinstance(value, float) else str(value),
+                "published": f"{entry.value:.6g} {entry.unit}".removesuffix(" 1") if entry else "",
+                "basis": entry.basis if entry else ("changed" if changed else ""),
+                "source": entry.source if entry else "",
+            }
+        )
+    return rows
+
+
+def fmus(dataset: xr.Dataset) -> list[tuple[str, str, str]]:
+    """Instance, file and sha256 of every FMU."""
+    return [
+        (name, str(given.get("file", "")), str(given.get("sha256", "")))
+        for name, given in _fmus(dataset).items()
+    ]
+
+
+def texts(dataset: xr.Dataset, attribute: str) -> list[str]:
+    """The lines of an attribute that holds a list."""
+    return [str(line) for line in json.loads(dataset.attrs.get(attribute, "[]"))]
+
+
+def versions(dataset: xr.Dataset) -> Mapping[str, str]:
+    return {k: str(v) for k, v in json.loads(dataset.attrs.get("versions", "{}")).items()}
+
+
+def _fmus(dataset: xr.Dataset) -> Mapping[str, Any]:
+    found: Mapping[str, Any] = json.loads(dataset.attrs.get("fmus", "{}"))
+    return found
+
+
+def _moves(dataset: xr.Dataset) -> bool:
+    rails = [v for name, v in dataset.data_vars.items() if ".rail_" in str(name)]
+    return any(bool(np.any(rail.values)) for rail in rails)
+
+
+def _entry(
+    dataset: xr.Dataset, instance: str, name: str, value: object
+) -> tuple[Entry | None, bool]:
+    """The published number that a value is, by the parameter set that has it; or that none is."""
+    from fmus.parameters import PARAMETER_SETS, parameter_set
+
+    block = BLOCK_OF.get(instance)
+    known = False
+    for given in PARAMETER_SETS if block else ():
+        entry = parameter_set(given).entry(name, block)
+        if entry is None or block is None:
+            continue
+        known = True
+        if isinstance(value, (int, float)):
+            published = entry.to(_units(block)[name])
+            if np.isclose(published, value, rtol=1e-9):
+                return entry, False
+    return None, known
+
+
+@cache
+def _units(block: str) -> dict[str, str]:
+    from fmus import BLOCKS
+
+    return {parameter.name: parameter.unit for parameter in BLOCKS[block]().parameters}

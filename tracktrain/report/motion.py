@@ -1,0 +1,109 @@
+"""The moving car for a run's page: its wire frame, its motion, the rails, and its linear modes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from math import pi
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..hopper import BLOCK_OF, TRUCKS
+from ..studies.mode_shapes import COORDINATES, unit_motions
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+RATE, FRAMES = 100.0, 6000
+"""Frames per second [Hz], and at most."""
+
+HIGHEST = 20.0
+"""Frequency of the modes that are shown, at most [Hz]."""
+
+RAILS = tuple(f"track.axle[1].rail_{axis}_{side}" for axis in "yz" for side in ("left", "right"))
+
+
+def scene(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Array]] | None:
+    """What is drawn and how it moves, and the arrays of it; None for a run that is no hopper car.
+
+    Arrays: points (points, 3) [m], motions (coordinates, points, 3), coordinates (frames,
+    coordinates), rails (frames, 4) [m] as in `RAILS`, way (frames) [m].
+    """
+    body, truck = (_parameters(dataset, name) for name in ("carbody", TRUCKS[0]))
+    if any(name not in dataset for name in (*COORDINATES, *RAILS, "track.distance")):
+        return None
+    try:
+        lines, motions = unit_motions(body, truck)
+    except KeyError:
+        return None
+    time = dataset["time"].values
+    count = int(min(max((time[-1] - time[0]) * RATE + 1, 2), FRAMES))
+    frames = np.linspace(time[0], time[-1], count)
+
+    def sampled(name: str) -> Array:
+        return np.interp(frames, time, dataset[name].values)
+
+    drawing = {
+        "lines": [{"part": line.part, "count": len(line.points)} for line in lines],
+        "start": float(time[0]),
+        "step": float((frames[-1] - frames[0]) / (count - 1)),
+        "railHeight": -truck["centre_plate_height"],
+        "halfGauge": truck["half_contact_spacing"],
+        "firstAxle": body["half_truck_spacing"] + truck["half_wheelbase"],
+        "coordinates": COORDINATES,
+    }
+    return drawing, {
+        "points": np.concatenate([line.points for line in lines]),
+        "motions": motions,
+        "coordinates": np.column_stack([sampled(name) for name in COORDINATES]),
+        "rails": np.column_stack([sampled(name) for name in RAILS]),
+        "way": sampled("track.distance"),
+    }
+
+
+def modes(dataset: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, Array]] | None:
+    """Name, frequency [Hz] and damping ratio of the car's linear modes at the run's speed.
+
+    The array `modes` (modes, 2, coordinates) has the real and imaginary parts of their shapes. None
+    where the run does not have the parameters of the blocks.
+    """
+    from ..linear import LinearCar
+    from ..studies.stability import name_of
+
+    if "track.speed_out" not in dataset:
+        return None
+    speed = float(dataset["track.speed_out"].mean())
+    linear = LinearCar()
+    changes: dict[str, float] = {}
+    for block in ("carbody", "truck", "wheelrail"):
+        instance = next(name for name, kind in BLOCK_OF.items() if kind == block)
+        given = _parameters(dataset, instance)
+        known = linear.values(block)
+        if not given.keys() & known.keys():
+            return None
+        changes |= {f"{block}.{name}": v for name, v in given.items() if name in known}
+    linear = LinearCar(changes=changes)
+    roots, shapes = linear.modes(speed)
+    slow = np.flatnonzero(roots.imag < 2 * pi * HIGHEST)
+    found = [
+        {
+            "name": name_of(linear, shapes[:, i]),
+            "frequency": roots[i].imag / (2 * pi),
+            "damping": -roots[i].real / abs(roots[i]),
+        }
+        for i in slow
+    ]
+    chosen = shapes[[linear.states.index(name) for name in COORDINATES]][:, slow].T
+    return found, {"modes": np.stack([chosen.real, chosen.imag], axis=1)}
+
+
+def _parameters(dataset: xr.Dataset, instance: str) -> Mapping[str, float]:
+    given = json.loads(dataset.attrs.get("parameters", "{}"))
+    return {
+        name.removeprefix(f"{instance}."): value
+        for name, value in given.items()
+        if name.startswith(f"{instance}.") and isinstance(value, (int, float))
+    }

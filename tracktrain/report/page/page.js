@@ -1,0 +1,30 @@
+// Starts everything; what the run does not have is left out.
+
+async function begin() {
+  for (const part of document.querySelectorAll("[data-needs]"))
+    if (!known[part.dataset.needs]) part.remove();
+  const arrays = await unpacked();
+  let plots = null, marked = 0;
+  const players = [];
+  const whenMoved = (time) => {
+    if (!plots || performance.now() - marked < 100) return;
+    marked = performance.now();
+    plots.mark(time);
+  };
+  if (known.scene) players.push(runPlayer(arrays, whenMoved));
+  if (known.modes) players.push(modePlayer(arrays));
+  await loadPlotly();
+  plots = new Plots(arrays);
+  plots.draw();
+  const redraw = () => {
+    plots.draw();
+    for (const player of players) player.frame();
+  };
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
+  document.documentElement.dataset.ready = "yes";
+}
+
+begin().catch((error) => {
+  document.getElementById("broken").hidden = false;
+  console.error(error);
+});
