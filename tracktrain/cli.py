@@ -14,7 +14,6 @@ import click
 
 from fmus.catalogue import FMI_VERSIONS
 
-from .assessment.command import assess
 from .chosen import CAR_ONLY, chosen_car, chosen_file, refuse_options, system_options
 from .errors import TracktrainError
 from .failures import Stopped, clear_errors, termination_as_interrupt
@@ -22,7 +21,7 @@ from .fmu_command import fmu
 from .master_options import coupling, master_options
 from .model_commands import new, pack
 from .options import Name
-from .report.command import report
+from .results_commands import assess, report
 from .run_options import RESUMED, isolated, logged, run_options, survival
 from .self_test_command import test
 from .studies.command import study

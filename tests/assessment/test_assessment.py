@@ -84,8 +84,9 @@ def test_steady_ratio_and_load_are_found_as_they_are() -> None:
 def test_unloading_is_judged_by_its_share_of_what_is_admissible() -> None:
     table = assess(motion(4.0, load=0.9, frequency=0.5))
     found = row(table, "aar_wheel_unloading")
-    assert found["value"] == pytest.approx(0.1, abs=1e-4)
-    assert found["share"] == pytest.approx(1.0, abs=1e-3)
+    held = 1 - 0.9 * np.cos(np.pi * 0.5 * 0.05)  # for 50 ms about the lowest load
+    assert found["value"] == pytest.approx(held, abs=1e-3)
+    assert found["share"] == pytest.approx((1 - held) / 0.9, abs=1e-3)
     assert row(table, "wheel_load_ratio")["result"] == "exceeded"
 
 
@@ -97,7 +98,7 @@ def test_sway_of_known_amplitude_through_the_limits_of_the_accelerations() -> No
     assert row(table, "carbody_vertical_oscillation")["value"] == pytest.approx(2 * rms, rel=2e-2)
     cut = 0.4 * np.cos(np.pi * 0.05)
     assert row(table, "carbody_lateral_transient")["value"] == pytest.approx(cut, rel=1e-2)
-    assert row(table, "aar_peak_to_peak")["value"] == pytest.approx(0.4, rel=1e-5)
+    assert row(table, "aar_peak_to_peak")["value"] == pytest.approx(0.4, rel=1e-3)
     assert row(table, "aar_roll")["value"] == pytest.approx(np.rad2deg(0.02), rel=1e-5)
     assert row(table, "carbody_lateral_oscillation")["result"] == "exceeded"
     assert row(table, "carbody_lateral_transient")["result"] == "passed"
@@ -121,7 +122,8 @@ def test_truck_and_wheelset_oscillate_as_their_velocity_says() -> None:
 
 def test_hunting_of_a_sinusoid_over_2000_ft() -> None:
     found = row(assess(motion(34.0, ay=0.26 * GRAVITY)), "aar_hunting")
-    assert found["value"] == pytest.approx(0.26 / np.sqrt(2), rel=1e-3)
+    kept = 1 / (1 + (3 / 15) ** 4)  # 3 Hz through a Butterworth filter of 15 Hz, there and back
+    assert found["value"] == pytest.approx(0.26 / np.sqrt(2) * kept, rel=1e-3)
     assert found["result"] == "exceeded"
 
 

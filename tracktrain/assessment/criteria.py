@@ -92,6 +92,12 @@ def _wheels() -> Iterator[tuple[str, int, str, str]]:
             yield truck, axle, side, f"{wheelset} {side}"
 
 
+def _ratio(car: Car, rule: Rule, truck: str, axle: int, side: str) -> Array:
+    """Size of a wheel's L/V."""
+    lateral, load = (part(truck, axle, side, rule) for part in (car.lateral, car.load))
+    return np.abs(_over(lateral, load))
+
+
 def _over(part: Array, whole: Array) -> Array:
     """A ratio of forces, very large where the wheels are lifted."""
     return part / np.maximum(whole, 1.0)
@@ -100,21 +106,15 @@ def _over(part: Array, whole: Array) -> Array:
 @measure("wheel_l_over_v")
 def _wheel_l_over_v(car: Car, rule: Rule) -> Found:
     for truck, axle, side, place in _wheels():
-        ratio = _over(car.lateral(truck, axle, side, rule), car.load(truck, axle, side, rule))
-        yield place, windows.held_above(*car.windowed(np.abs(ratio), rule)).max()
+        ratio = _ratio(car, rule, truck, axle, side)
+        yield place, windows.held_above(*car.windowed(ratio, rule)).max()
 
 
-@measure("wheel_load_ratio")
+@measure("wheel_load_ratio", "aar_wheel_unloading")
 def _wheel_load_ratio(car: Car, rule: Rule) -> Found:
     for truck, axle, side, place in _wheels():
         ratio = 2 * car.load(truck, axle, side, rule) / car.static_axle_load(truck)
         yield place, windows.held_below(*car.windowed(ratio, rule)).min()
-
-
-@measure("aar_wheel_unloading")
-def _wheel_unloading(car: Car, rule: Rule) -> Found:
-    for truck, axle, side, place in _wheels():
-        yield place, 2 * car.load(truck, axle, side, rule).min() / car.static_axle_load(truck)
 
 
 @measure("net_axle_l_over_v")
@@ -137,9 +137,9 @@ def _truck_side_l_over_v(car: Car, rule: Rule) -> Found:
 
 @measure("aar_axle_sum")
 def _axle_sum(car: Car, rule: Rule) -> Found:
-    for wheelset in WHEELSETS.values():
-        left, right = (np.abs(car[f"{wheelset}.{side}.l_over_v"]) for side in SIDES)
-        yield wheelset, (left + right).max()
+    for (truck, axle), wheelset in WHEELSETS.items():
+        left, right = (_ratio(car, rule, truck, axle, side) for side in SIDES)
+        yield wheelset, windows.held_above(*car.windowed(left + right, rule)).max()
 
 
 @measure("truck_lateral_acceleration")
@@ -173,14 +173,14 @@ def _carbody_oscillation(car: Car, rule: Rule) -> Found:
 @measure("aar_hunting")
 def _hunting(car: Car, rule: Rule) -> Found:
     for end in ENDS:
-        values = car[f"carbody.{end}.ay"]
+        values = car.filtered(car[f"carbody.{end}.ay"], rule.band)
         yield f"carbody {end}", windows.moving_deviation(*car.windowed(values, rule)).max()
 
 
 @measure("aar_peak_to_peak")
 def _peak_to_peak(car: Car, rule: Rule) -> Found:
     for end in ENDS:
-        yield f"carbody {end}", np.ptp(car[f"carbody.{end}.ay"])
+        yield f"carbody {end}", np.ptp(car.filtered(car[f"carbody.{end}.ay"], rule.band))
 
 
 @measure("aar_roll")

@@ -1,4 +1,4 @@
-"""The command `tracktrain assess`: the assessment of a finished run, as a table."""
+"""Commands on a finished run: `tracktrain assess` judges it, `tracktrain report` shows it."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..failures import clear_errors
-from ..results import opened
+from .failures import clear_errors
+from .results import opened, read_bonds
 
 if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
-NAME = "assessment.csv"
+ASSESSMENT = "assessment.csv"
 COLOURS = {"passed": "green", "exceeded": "bold red"}
 
 
@@ -32,20 +32,39 @@ def assess(folder: Path, quiet: bool) -> None:
     Every quantity comes with its filter, window, limit and source; assessment.csv has them all.
     Limits marked with * were not read in their source and are to be checked before they are quoted.
     """
-    from . import assess as assessed
-
     with clear_errors():
+        from .assessment import assess as assessed
+
         table = assessed(opened(folder))
-        table.to_csv(folder / NAME)
+        table.to_csv(folder / ASSESSMENT)
         if not quiet:
             from rich.console import Console
 
             console = Console()
             console.print(_shown(table))
             console.print("* not verified: recalled from the source, check it before quoting it")
-            console.print(
-                f"filters, windows and sources: {folder / NAME}", markup=False, highlight=False
-            )
+            written = f"filters, windows and sources: {folder / ASSESSMENT}"
+            console.print(written, markup=False, highlight=False)
+
+
+@click.command(
+    epilog="""\b
+Examples:
+  tracktrain run
+  tracktrain report tracktrain-results"""
+)
+@click.argument("folder", type=click.Path(path_type=Path), metavar="DIR")
+def report(folder: Path) -> None:
+    """Write DIR/report.html: the run in DIR as one page that opens in any browser, offline.
+
+    It has the moving car, all signals and their spectra to pick from, the assessment, the linear
+    modes, and what was run by what. `tracktrain run --report` writes it at once.
+    """
+    with clear_errors():
+        from .report import write_report
+
+        path = write_report(opened(folder), folder, read_bonds(folder))
+        click.echo(f"{path}  {path.stat().st_size / 1e6:.1f} MB")
 
 
 def _shown(table: pd.DataFrame) -> RenderableType:
