@@ -225,6 +225,9 @@ STABILITY_LIMIT = 0.01
 EVALUATIONS = 0.06
 """Evaluations of a fixed point that contracts by r / 2 in two of them: the start differs."""
 
+AITKEN_EVALUATIONS = 0.1
+"""Evaluations by Aitken's relaxation, which depends on how unlike unknowns are weighed."""
+
 COUPLING_ERRORS = {
     "jacobi, 0": 1e-3,
     "jacobi, 1": 1e-3,

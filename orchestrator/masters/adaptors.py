@@ -137,7 +137,10 @@ def _gather(head, references, count, known):
 def _compiled(signature: str) -> Any:
     def compile_(function: Any) -> Any:
         with kept() as keep:
-            return cfunc(signature, cache=keep)(function)
+            try:
+                return cfunc(signature, cache=keep)(function)
+            except OSError:  # a full disk
+                return cfunc(signature)(function)
 
     return compile_
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -37,3 +37,16 @@ def kept() -> Iterator[bool]:
         yield keep
     finally:
         config.CACHE_DIR = previous
+
+
+def saved_if_there_is_room(compiled: Any) -> Any:
+    """Let a function of numba be used although a full disk does not take what was compiled."""
+    cache = compiled._cache
+    save = cache.save_overload
+
+    def save_overload(signature: Any, data: Any) -> None:
+        with suppress(OSError):
+            save(signature, data)
+
+    cache.save_overload = save_overload
+    return compiled

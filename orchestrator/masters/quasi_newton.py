@@ -41,7 +41,8 @@ class Unknowns(NamedTuple):
 
     Square arrays of a group begin at `square`; `basis` are its directions, by row.
     `state` by group: evaluations in this step, directions; evaluations in all, most in a step.
-    scale_of: the entry of `scale` for an unknown; unknowns of the same kind share one.
+    scale_of: the entry of `scale` for an unknown; unknowns of the same kind share one. largest:
+    value that an unknown came out at in this step.
     """
 
     first: Ints
@@ -54,6 +55,7 @@ class Unknowns(NamedTuple):
     previous_value: Floats
     previous_residual: Floats
     change: Floats
+    largest: Floats
     inverse: Floats
     basis: Floats
     state: Ints
@@ -101,6 +103,7 @@ def unknowns(
         previous_value=np.zeros(total),
         previous_residual=np.zeros(total),
         change=np.zeros(total),
+        largest=np.zeros(total),
         inverse=np.zeros(int(square[-1])),
         basis=np.zeros(int(square[-1])),
         state=np.zeros((len(sizes), 4), np.int64),
@@ -128,6 +131,8 @@ def _forget(table: Unknowns, group: int) -> None:
 def begin_step(table: Unknowns, group: int) -> None:
     """Begin a step whose first values are in `value`."""
     table.state[group, 0] = table.state[group, 1] = 0
+    for n in range(table.first[group], table.first[group + 1]):
+        table.largest[n] = abs(table.value[n])
     if table.method[group] == IQN_ILS:
         _forget(table, group)
 
@@ -142,6 +147,8 @@ def settled(table: Unknowns, group: int, tolerance: float) -> bool:
     first, last = table.first[group], table.first[group + 1]
     if state[0] == 1:
         for n in range(first, last):  # of what was zero until now
+            if state[2] == 1:
+                _enlarge(table, n, table.value[n], True)
             _enlarge(table, n, table.value[n] + table.residual[n], state[2] == 1)
     for n in range(first, last):
         # Negated, so that what is not a number stops here: the row is looked at afterwards.
@@ -209,6 +216,8 @@ def improve(table: Unknowns, group: int) -> None:
                 total += table.inverse[begin + n * size + m] * table.residual[first + m]
             table.change[first + n] = -total
     else:
+        for n in range(first, last):
+            table.largest[n] = max(table.largest[n], abs(table.value[n] + table.residual[n]))
         factor = 1.0
         if method == AITKEN and evaluations > 1:
             factor = _aitken(table, group)
@@ -222,23 +231,22 @@ def improve(table: Unknowns, group: int) -> None:
 
 @register_jitable
 def _aitken(table: Unknowns, group: int) -> float:
-    """Relaxation from the last two residuals (Irons and Tuck 1969)."""
-    first, last = table.first[group], table.first[group + 1]
-    for n in range(first, last):
-        table.change[n] = table.residual[n] - table.previous_residual[n]
-    along = _product(table, group, table.change, first, table.change, first)
-    if along == 0.0:
-        return 1.0
-    moved = 0.0
-    before = _product(table, group, table.previous_residual, first, table.previous_residual, first)
-    for n in range(first, last):
-        scale = table.scale[table.scale_of[n]]
-        if scale > 0.0:
-            step = table.value[n] - table.previous_value[n]
-            moved += step / scale * (table.previous_residual[n] / scale)
-    previous_factor = moved / before if before > 0.0 else 1.0
-    across = _product(table, group, table.previous_residual, first, table.change, first)
-    return -previous_factor * across / along
+    """Relaxation from the last two residuals (Irons and Tuck 1969).
+
+    Each is measured by the largest value of its unknown in this step: were one of them measured by
+    far too small a number, the others would hardly count.
+    """
+    before = moved = along = across = 0.0
+    for n in range(table.first[group], table.first[group + 1]):
+        size = table.largest[n]
+        if size > 0.0:
+            previous, step = table.previous_residual[n] / size, table.change[n] / size
+            difference = table.residual[n] / size - previous
+            before += previous * previous
+            moved += step * previous
+            along += difference * difference
+            across += previous * difference
+    return -moved / before * across / along if before > 0.0 and along > 0.0 else 1.0
 
 
 @register_jitable

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..plan import Link, Plan, columns_of
 from ..slave import Slave
 from . import ffi
-from .compiled import kept
+from .compiled import kept, saved_if_there_is_room
 from .quasi_newton import Solved, Unknowns, begin_step, improve, settled, unknowns, worst
 
 Ints = NDArray[np.int64]
@@ -53,7 +53,8 @@ def macro_loop(function: Callable[..., None]) -> Any:
     """
     with kept() as keep:
         options: dict[str, Any] = {"cache": keep, "nogil": True, "_nrt": False}
-        return njit(**options)(function)
+        compiled = njit(**options)(function)
+    return saved_if_there_is_room(compiled) if keep else compiled
 
 
 class Calls(NamedTuple):

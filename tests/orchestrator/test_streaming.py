@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import errno
 import os
 import signal
 import subprocess
@@ -137,6 +138,28 @@ def test_full_disk_is_reported_and_what_fits_is_kept(tmp_path):
         assert path.stat().st_size - count * 8 * 6 < 100_000 - count * 8 * 5
         whole = simulate(oscillator(), duration=100, step=0.01)
         assert same(left, whole.dataset.isel(time=slice(count)))
+
+
+def test_full_disk_that_does_not_take_compiled_code_is_no_matter(monkeypatch):
+    from numba.core.caching import IndexDataCacheFile
+
+    from orchestrator.masters.tables import macro_loop
+
+    tries = []
+
+    def save(file, key, data):
+        tries.append(key)
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(IndexDataCacheFile, "save", save)
+
+    @macro_loop
+    def count(report):
+        report[0] += 1
+
+    report = np.zeros(1, np.int64)
+    count(report)
+    assert report[0] == 1 and len(tries) == 1
 
 
 def test_flush_happens_while_there_is_room(tmp_path, monkeypatch):
