@@ -24,7 +24,7 @@ from .results_file import NAME as RESULTS
 from .results_file import STOPPED, VERDICT, ResultsFile
 from .session import Session
 from .slave import Logger
-from .system import Experiment, System
+from .system import STEP, Experiment, System
 from .texts import Texts
 from .trust.tested import self_tests
 from .trust.verdict import Evidence, judge
@@ -38,9 +38,6 @@ Progress = Callable[[float, float], None]
 
 LIVE = ("system", "progress", "logger", "measure", "resumed", "session")
 """Arguments of `simulate` that a checkpoint does not keep."""
-
-STEP = 1e-3
-"""Macro step where neither the caller nor the system gives one [s]."""
 
 
 def simulate(

@@ -19,6 +19,9 @@ Value = float | int | bool | str | list["Value"] | tuple["Value", ...]
 
 For an array a list, or text: "1 2 3 mm"."""
 
+STEP = 1e-3
+"""Macro step where neither the caller nor the system gives one [s]."""
+
 
 @dataclass(frozen=True)
 class Component:

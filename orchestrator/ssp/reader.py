@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 
-from ..system import Experiment, PowerBond, System
+from ..system import STEP, Experiment, PowerBond, System
 from .bindings import Parameters
 from .connections import GIVES, Network, Port, connections, read_network
 from .package import Document, open_document
@@ -14,7 +16,7 @@ from .structure import Element, read_structure
 from .xml import Node
 
 OSP, OMS, OWN = "com.opensimulationplatform", "org.openmodelica", "tracktrain"
-"""Types of annotations that are understood: of others the macro step, of ours power bonds."""
+"""Types of annotations that are understood: of others the steps, of ours power bonds."""
 
 STEPS = {OSP: ("FixedStepAlgorithm", "baseStepSize"), OMS: ("FixedStepMaster", "stepSize")}
 """Element and attribute of the macro step."""
@@ -40,12 +42,17 @@ def read_ssp(
     parameters = Parameters(network, names)
     parameters.apply(root)
     notes += [*parameters.notes, *_exposed(root, network, names)]
-    notes += [*_asked_steps(names), *_ignored(root)]
+    experiment = _experiment(document, root)
+    every = _multiples(names, experiment.step or STEP, notes)
+    notes += _ignored(root)
     return System(
-        components={name: parameters.of(element) for element, name in names.items()},
+        components={
+            name: replace(parameters.of(element), every=every[name])
+            for element, name in names.items()
+        },
         connections=tuple(connections(root, network, names)),
         bonds=_bonds(root),
-        experiment=_experiment(document, root),
+        experiment=experiment,
         notes=tuple(notes),
     )
 
@@ -76,14 +83,26 @@ def _exposed(root: Element, network: Network, names: Mapping[Element, str]) -> I
         yield f"outputs of the system '{root.name}', before transformations: {', '.join(found)}"
 
 
-def _asked_steps(names: Mapping[Element, str]) -> Iterator[str]:
-    """Notes of components that ask for steps of their own, by the annotation that libcosim has."""
+def _multiples(names: Mapping[Element, str], step: float, notes: list[str]) -> dict[str, int]:
+    """How many macro steps each component takes at once, by the annotation that libcosim has.
+
+    A step that is no multiple of the macro step is rounded to one, as libcosim does, and noted.
+    """
+    multiples = dict.fromkeys(names.values(), 1)
     for element, name in names.items():
         for annotation in element.annotations:
             hint = annotation.find("StepSizeHint") if annotation.get("type") == OSP else None
             if hint:
-                step = hint.number("value")
-                yield f"{name} asks for steps of {step:g} s; it takes the macro step"
+                asked = hint.number("value")
+                if not (math.isfinite(asked) and asked > 0.0):
+                    hint.fail(f"{name} cannot take steps of {asked:g} s; give a time above 0")
+                multiples[name] = every = max(1, round(asked / step))
+                if not math.isclose(every * step, asked, rel_tol=1e-9):
+                    notes.append(
+                        f"{name} asks for steps of {asked:g} s; it takes {every * step:g} s, a "
+                        f"multiple of the macro step of {step:g} s"
+                    )
+    return multiples
 
 
 def _ignored(root: Element) -> Iterator[str]:

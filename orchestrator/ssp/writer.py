@@ -14,7 +14,7 @@ from ..description import Description, Variable, describe
 from ..errors import SspError, choices
 from ..mock import Mock
 from ..plan import component_description
-from ..system import Component, Connection, Experiment, System, split
+from ..system import STEP, Component, Connection, Experiment, System, split
 from ..transformation import IDENTITY, Linear, Transformation
 from ..units import Definitions
 from .package import DEFAULT
@@ -102,7 +102,10 @@ class _Archive:
             place = f"resources/{instance}.ssv" if values else None
             if place and values:
                 files[place] = values
-            self._component(elements, instance, description, fmu, place)
+            node = self._component(elements, instance, description, fmu, place)
+            if component.every > 1:
+                step = component.every * (system.experiment.step or STEP)
+                _annotation(node, OSP, "osp:StepSizeHint").set("value", repr(step))
         _connect(whole, system.connections, descriptions)
         if system.bonds is not None:
             bonds = _annotation(whole, OWN, "PowerBonds")
@@ -120,7 +123,7 @@ class _Archive:
         description: Description,
         fmu: str,
         values: str | None,
-    ) -> None:
+    ) -> Element:
         node = SubElement(parent, "ssd:Component", name=instance, source=quote(fmu))
         ports = {
             name: variable
@@ -137,6 +140,7 @@ class _Archive:
         if values:
             bindings = SubElement(node, "ssd:ParameterBindings")
             SubElement(bindings, "ssd:ParameterBinding", source=quote(values))
+        return node
 
     def _type(self, connector: Element, port: Variable, definitions: Definitions) -> None:
         kind = type_in(self.version, port)

@@ -377,15 +377,34 @@ def test_system_in_the_manner_of_omsimulator(archive):
     assert len(simulate(read).time) == 21
 
 
-def test_step_that_a_component_asks_for_is_said(archive):
-    """By the annotation of the Open Simulation Platform."""
+@pytest.mark.parametrize(
+    ("asked", "step", "every", "notes"),
+    [
+        ("0.01", None, 10, ()),
+        ("0.1", "0.05", 2, ()),
+        ("0.12", "0.05", 2, ("mass asks for steps of 0.12 s; it takes 0.1 s",)),
+        ("0.01", "0.05", 1, ("mass asks for steps of 0.01 s; it takes 0.05 s",)),
+    ],
+)
+def test_step_that_a_component_asks_for_is_a_multiple(archive, asked, step, every, notes):
+    """By the annotation of the Open Simulation Platform, and rounded as libcosim does."""
     hint = (
         '<ssd:Annotations><ssc:Annotation type="com.opensimulationplatform"><osp:StepSizeHint '
-        'xmlns:osp="http://opensimulationplatform.com/SSP/OSPAnnotations" value="0.01"/>'
-        "</ssc:Annotation></ssd:Annotations>"
+        'xmlns:osp="http://opensimulationplatform.com/SSP/OSPAnnotations" '
+        f'value="{asked}"/></ssc:Annotation></ssd:Annotations>'
     )
-    read = read_ssp(archive(ssd(elements(component("mass", MASS, hint)))))
-    assert read.notes == ("mass asks for steps of 0.01 s; it takes the macro step",)
+    experiment = (
+        '<ssd:DefaultExperiment><ssd:Annotations><ssc:Annotation type="org.openmodelica"><oms:x '
+        f'xmlns:oms="x"><oms:FixedStepMaster stepSize="{step}"/></oms:x></ssc:Annotation>'
+        "</ssd:Annotations></ssd:DefaultExperiment>"
+    )
+    read = read_ssp(
+        archive(ssd(elements(component("mass", MASS, hint)), experiment if step else ""))
+    )
+    assert read.components["mass"].every == every
+    assert read.notes == tuple(
+        f"{note}, a multiple of the macro step of {step} s" for note in notes
+    )
 
 
 def test_what_is_for_other_tools_is_said(archive):

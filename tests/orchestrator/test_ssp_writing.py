@@ -34,6 +34,7 @@ def system(tmp_path_factory) -> System:
                 build_damper(folder), {"c": "200 lbf.s/in", "kind": "plain", "locked": False}
             ),
             "mass": Component(build_mass(folder), {"m": 3.0, "start_v": 1, "force_per_v": 0.25}),
+            "slow": Component(build_damper(folder), every=3),
         },
         connections=(
             Connection("damper one.force", "mass.force", Linear(0.1, -2.0)),
@@ -64,7 +65,7 @@ def test_reading_gives_back_what_was_written(system, tmp_path, version):
 
 
 def test_system_that_says_little_stays_so(system, tmp_path):
-    little = System({"mass": Component(system.components["mass"].fmu)})
+    little = System({"mass": Component(system.components["mass"].fmu, every=2)})
     assert without_places(read_ssp(write_ssp(little, tmp_path / "m.ssp"))) == without_places(little)
 
 
@@ -107,6 +108,7 @@ def test_values_that_the_fmus_have_anyway_can_be_left_out(system, tmp_path):
     assert {name: dict(c.parameters) for name, c in read.components.items()} == {
         "damper one": {"c": "200 lbf.s/in", "locked": True},
         "mass": {"start_v": 1.0, "force_per_v": 0.25},
+        "slow": {},
     }
 
 
