@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 from click.core import ParameterSource
 
+from .car_options import car_option, seed_option, speed_option, swap_option, track_option
 from .errors import TracktrainError, choices
-from .hopper import BLOCK_OF, CARS, TRACKS
-from .options import Assignment, Name, Quantity
+from .hopper import BLOCK_OF
+from .options import Assignment, Quantity
 
 if TYPE_CHECKING:
     from orchestrator import PortMap, System
@@ -27,31 +28,10 @@ CAR_ONLY = ("car", "speed", "track", "seed", "initials")
 """Options that make no sense for a system from a file."""
 
 _OPTIONS = (
-    click.option(
-        "--car",
-        type=Name("car", CARS),
-        default="loaded",
-        show_default=True,
-        help="Parameter set of the car.",
-    ),
-    click.option(
-        "--speed",
-        type=Quantity("speed", "m/s", ("ft/s", "mph", "m/s", "km/h"), "60 ft/s"),
-        default="60 ft/s",
-        show_default=True,
-        metavar="SPEED",
-        help="Speed of the train, with its unit.",
-    ),
-    click.option(
-        "--track",
-        type=Name("track", TRACKS),
-        default="report",
-        show_default=True,
-        help="Irregularities of the track.",
-    ),
-    click.option(
-        "--seed", type=int, default=1, show_default=True, help="Which realisation of the track."
-    ),
+    car_option(),
+    speed_option(),
+    track_option(),
+    seed_option(),
     click.option(
         "--duration",
         type=Quantity("duration", "s", ("s", "min", "ms"), "8s"),
@@ -80,14 +60,7 @@ _OPTIONS = (
         metavar='INSTANCE.COORDINATE="VALUE UNIT"',
         help="Displace a truck or the carbody at the start. Repeatable.",
     ),
-    click.option(
-        "--swap",
-        "swaps",
-        type=Assignment(tuple(BLOCK_OF), "instance=path.fmu"),
-        multiple=True,
-        metavar="INSTANCE=FMU",
-        help="Put another FMU in an instance's place. Repeatable.",
-    ),
+    swap_option(),
     click.option(
         "--map",
         "maps",

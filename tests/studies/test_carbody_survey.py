@@ -7,6 +7,8 @@ import tolerances
 
 from tracktrain.studies.carbody_survey import carbody_survey
 
+pytestmark = pytest.mark.xdist_group("carbody_survey")  # one worker makes what all share
+
 
 @pytest.fixture(scope="module", params=["empty", pytest.param("loaded", marks=pytest.mark.slow)])
 def modes(request):

@@ -13,6 +13,8 @@ from fmus.truck.identify import PARAMETERS, identify
 from fmus.truck.ports import ELEMENTS
 from tracktrain.cli import main
 
+pytestmark = pytest.mark.xdist_group("identify")  # one worker makes what all share
+
 TRUCK = parameter_set("loaded").values(Truck())
 
 
@@ -61,8 +63,8 @@ def test_loops_with_2_percent_noise_give_it_within_5_percent(element):
 
 def test_intervals_hold_the_truth_as_often_as_they_promise():
     hits = []
-    for seed in range(40):
-        found = identify(*loop("warp", amplitude_of("warp"), 0.02, 1000, seed)).estimates
+    for seed in range(20):
+        found = identify(*loop("warp", amplitude_of("warp"), 0.02, 500, seed)).estimates
         hits += [found[n].low <= TRUCK[f"warp.{n}"] <= found[n].high for n in PARAMETERS]
     assert 0.88 < np.mean(hits) < 0.99
 

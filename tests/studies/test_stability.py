@@ -12,6 +12,8 @@ from tracktrain.scales import FOOT, INCH, POUND_FORCE
 from tracktrain.studies.sensitivity import sensitivity
 from tracktrain.studies.stability import critical_speeds, follow, stability
 
+pytestmark = pytest.mark.xdist_group("stability")  # one worker makes what all share
+
 REPORT_BODY = {
     "roll_inertia": 9.0e5 * POUND_FORCE * INCH,
     "gravity_centre_height": 48.3 * INCH,

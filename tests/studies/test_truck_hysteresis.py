@@ -9,6 +9,8 @@ import tolerances
 from tracktrain.scales import POUND_FORCE
 from tracktrain.studies.truck_hysteresis import truck_hysteresis
 
+pytestmark = pytest.mark.xdist_group("truck_hysteresis")  # one worker makes what all share
+
 
 @pytest.fixture(scope="module")
 def constant():

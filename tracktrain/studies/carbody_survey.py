@@ -8,11 +8,9 @@ from math import pi, sin, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
 import numpy as np
 
-from ..hopper import CARS
-from ..options import Name
+from ..car_options import car_option, fmu_option
 from ..terminal import Progress
 from .command import study_command
 from .outcome import Outcome
@@ -171,15 +169,8 @@ def carbody_survey(
 
 command = study_command(
     "carbody-survey",
-    click.option(
-        "--car", type=Name("car", CARS), default="empty", show_default=True, help="Parameter set."
-    ),
-    click.option(
-        "--fmu",
-        type=click.Path(path_type=Path),
-        metavar="FILE",
-        help="A carbody to survey instead of ours.",
-    ),
+    car_option("empty"),
+    fmu_option("carbody"),
     epilog="""\b
 Examples:
   tracktrain study carbody-survey

@@ -6,11 +6,9 @@ from collections.abc import Mapping
 from math import pi
 from typing import TYPE_CHECKING
 
-import click
 import numpy as np
 
-from ..hopper import CARS
-from ..options import Name, Quantity
+from ..car_options import car_option, friction_option, speed_option
 from ..scales import FOOT, MILE_PER_HOUR
 from .command import study_command
 from .outcome import Outcome
@@ -83,24 +81,9 @@ def sensitivity(
 
 command = study_command(
     "sensitivity",
-    click.option(
-        "--car", type=Name("car", CARS), default="loaded", show_default=True, help="Parameter set."
-    ),
-    click.option(
-        "--friction",
-        type=Name("friction", ("stuck", "free", "damper", "report")),
-        default="stuck",
-        show_default=True,
-        help="What stands for dry friction.",
-    ),
-    click.option(
-        "--speed",
-        type=Quantity("speed", "m/s", ("ft/s", "mph", "m/s", "km/h"), "80 ft/s"),
-        default="80 ft/s",
-        show_default=True,
-        metavar="SPEED",
-        help="Speed of the train, with its unit.",
-    ),
+    car_option(),
+    friction_option(),
+    speed_option("80 ft/s"),
     epilog="""\b
 Examples:
   tracktrain study sensitivity

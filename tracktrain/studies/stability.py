@@ -11,8 +11,14 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from ..hopper import BLOCK_OF, CARS, hopper_car
-from ..options import Assignment, Name, Quantity
+from ..car_options import (
+    car_option,
+    friction_option,
+    speed_option,
+    speeds_option,
+    swap_option,
+)
+from ..hopper import BLOCK_OF, hopper_car
 from ..scales import FOOT, MILE_PER_HOUR
 from ..terminal import Progress
 from .command import study_command
@@ -132,41 +138,13 @@ def stability(
 
 command = study_command(
     "stability",
-    click.option(
-        "--car", type=Name("car", CARS), default="loaded", show_default=True, help="Parameter set."
+    car_option(),
+    friction_option(),
+    speed_option(meaning="Speed of the modes that are listed and drawn.", argument="drawn_speed"),
+    speeds_option(
+        "--ring-down", "ring_down", (), "Also identify the growth from a run of the FMUs."
     ),
-    click.option(
-        "--friction",
-        type=Name("friction", ("stuck", "free", "damper", "report")),
-        default="stuck",
-        show_default=True,
-        help="What stands for dry friction.",
-    ),
-    click.option(
-        "--speed",
-        "drawn_speed",
-        type=Quantity("speed", "m/s", ("ft/s", "mph", "m/s", "km/h"), "60 ft/s"),
-        default="60 ft/s",
-        show_default=True,
-        metavar="SPEED",
-        help="Speed of the modes that are listed and drawn.",
-    ),
-    click.option(
-        "--ring-down",
-        type=Quantity("speed", "m/s", ("ft/s", "mph", "m/s", "km/h"), "60 ft/s"),
-        multiple=True,
-        metavar="SPEED",
-        help="Also identify the growth from a run of the FMUs. Repeatable.",
-    ),
-    click.option(
-        "--swap",
-        "swaps",
-        type=Assignment(tuple(BLOCK_OF), "instance=path.fmu"),
-        multiple=True,
-        callback=lambda _, __, given: {instance: Path(path) for instance, _, path in given},
-        metavar="INSTANCE=FMU",
-        help="Put another FMU in an instance's place in the ring-down. Repeatable.",
-    ),
+    swap_option(callback=lambda _, __, given: {name: Path(path) for name, _, path in given}),
     click.option("--no-animation", "animate", flag_value=False, default=True, help="No GIF files."),
     epilog="""\b
 Examples:

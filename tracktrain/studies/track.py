@@ -8,8 +8,8 @@ import click
 import matplotlib as mpl
 import numpy as np
 
-from ..hopper import TRACKS
-from ..options import Name, Quantity
+from ..car_options import seed_option, track_option
+from ..options import Quantity
 from ..plots import BLUE, INK, MUTED, STYLE, conversion
 from ..scales import DISPLACEMENT, FOOT
 from .command import study_command
@@ -61,10 +61,8 @@ def track(track: str = "report", seed: int = 1, length: float = 2000.0) -> Outco
 
 command = study_command(
     "track",
-    click.option(
-        "--track", type=Name("track", TRACKS), default="report", show_default=True, help="Spectrum."
-    ),
-    click.option("--seed", type=int, default=1, show_default=True, help="Which realisation."),
+    track_option(),
+    seed_option(),
     click.option(
         "--length",
         type=Quantity("length", "m", ("m", "ft", "km", "mi"), "2 km"),

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from ..hopper import CARS
+from ..car_options import car_option, fmu_option
 from ..options import Name
 from ..scales import INCH, POUND_FORCE
 from ..terminal import Progress
@@ -118,9 +118,7 @@ def truck_hysteresis(
 
 command = study_command(
     "truck-hysteresis",
-    click.option(
-        "--car", type=Name("car", CARS), default="loaded", show_default=True, help="Parameter set."
-    ),
+    car_option(),
     click.option(
         "--wedge-law",
         type=Name("wedge law", WEDGE_LAWS),
@@ -148,12 +146,7 @@ command = study_command(
         metavar="SECONDS",
         help="Duration of a cycle. Repeatable.",
     ),
-    click.option(
-        "--fmu",
-        type=click.Path(path_type=Path),
-        metavar="FILE",
-        help="A truck to test instead of ours.",
-    ),
+    fmu_option("truck"),
     epilog="""\b
 Examples:
   tracktrain study truck-hysteresis

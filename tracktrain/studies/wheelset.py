@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from ..hopper import CARS
-from ..options import Name
+from ..car_options import car_option, fmu_option
 from ..scales import FOOT
 from .command import study_command
 from .outcome import Outcome
@@ -143,9 +142,7 @@ def wheelset(
 
 command = study_command(
     "wheelset",
-    click.option(
-        "--car", type=Name("car", CARS), default="loaded", show_default=True, help="Parameter set."
-    ),
+    car_option(),
     click.option(
         "--lateral-stiffness",
         type=click.FloatRange(min=0.0, min_open=True),
@@ -162,12 +159,7 @@ command = study_command(
         metavar="N.M/RAD",
         help="Yaw spring to the ground.",
     ),
-    click.option(
-        "--fmu",
-        type=click.Path(path_type=Path),
-        metavar="FILE",
-        help="A wheel/rail block to test instead of ours.",
-    ),
+    fmu_option("wheel/rail block"),
     epilog="""\b
 Examples:
   tracktrain study wheelset
