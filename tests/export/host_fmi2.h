@@ -26,6 +26,16 @@ int fmi2SerializeFMUstate(void *, void *, char *, size_t);
 int fmi2DeSerializeFMUstate(void *, const char *, size_t, void **);
 int fmi2GetDirectionalDerivative(void *, const unsigned *, size_t, const unsigned *, size_t,
                                  const double *, double *);
+int fmi2EnterEventMode(void *);
+int fmi2NewDiscreteStates(void *, void *);
+int fmi2EnterContinuousTimeMode(void *);
+int fmi2CompletedIntegratorStep(void *, int, int *, int *);
+int fmi2SetTime(void *, double);
+int fmi2SetContinuousStates(void *, const double *, size_t);
+int fmi2GetContinuousStates(void *, double *, size_t);
+int fmi2GetDerivatives(void *, double *, size_t);
+int fmi2GetEventIndicators(void *, double *, size_t);
+int fmi2GetNominalsOfContinuousStates(void *, double *, size_t);
 
 #define free_instance fmi2FreeInstance
 #define enter_initialization fmi2EnterInitializationMode
@@ -39,6 +49,14 @@ int fmi2GetDirectionalDerivative(void *, const unsigned *, size_t, const unsigne
 #define deserialize fmi2DeSerializeFMUstate
 #define set(c, reference, count, value, value_count) fmi2SetReal(c, reference, count, value)
 #define get(c, reference, count, value, value_count) fmi2GetReal(c, reference, count, value)
+#define enter_event_mode fmi2EnterEventMode
+#define enter_continuous_mode fmi2EnterContinuousTimeMode
+#define set_time fmi2SetTime
+#define set_states fmi2SetContinuousStates
+#define get_states fmi2GetContinuousStates
+#define get_rates fmi2GetDerivatives
+#define get_indicators fmi2GetEventIndicators
+#define get_nominals fmi2GetNominalsOfContinuousStates
 #define do_step(c, time, size) fmi2DoStep(c, time, size, 1)
 
 enum { PAST_THE_END = N_REFERENCES };
@@ -56,7 +74,7 @@ static void logger(void *refusals, const char *name, int status, const char *cat
 
 static void *new_instance(int *refusals) {
     Callbacks callbacks = {logger, calloc, free, NULL, refusals};
-    void *c = fmi2Instantiate("host", 1, GUID, "", &callbacks, 0, 0);
+    void *c = fmi2Instantiate("host", !exchange, GUID, "", &callbacks, 0, 0);
     if (!c) fail("no instance");
     return c;
 }
@@ -67,10 +85,23 @@ static void begin(void *c) {
     MUST(fmi2ExitInitializationMode(c));
 }
 
+static int new_discrete_states(void *c) {
+    struct {
+        int flag[5];
+        double time;
+    } info;
+    return fmi2NewDiscreteStates(c, &info);
+}
+
+static int completed_step(void *c, int *event) {
+    int end;
+    return fmi2CompletedIntegratorStep(c, 1, event, &end);
+}
+
 static void derivatives(void *c) {
     double seed[N_INPUTS + 1] = {0.0}, sensitivity[N_OUTPUTS + 1], rate[N_INPUTS + 1];
     int order[N_INPUTS + 1];
     for (int i = 0; i < N_INPUTS; i++) seed[i] = rate[i] = order[i] = 1;
     MUST(fmi2GetDirectionalDerivative(c, output, N_OUTPUTS, input, N_INPUTS, seed, sensitivity));
-    MUST(fmi2SetRealInputDerivatives(c, input, N_INPUTS, order, rate));
+    if (!exchange) MUST(fmi2SetRealInputDerivatives(c, input, N_INPUTS, order, rate));
 }

@@ -6,6 +6,7 @@
 typedef void Logger(void *, int, const char *, const char *);
 typedef void Update(void *, double, bool, bool, bool, bool, bool *, double *);
 
+void *fmi3InstantiateModelExchange(const char *, const char *, const char *, bool, bool, void *, Logger *);
 void *fmi3InstantiateCoSimulation(const char *, const char *, const char *, bool, bool, bool, bool,
                                   const unsigned *, size_t, void *, Logger *, Update *);
 void fmi3FreeInstance(void *);
@@ -28,6 +29,16 @@ int fmi3GetAdjointDerivative(void *, const unsigned *, size_t, const unsigned *,
                              const double *, size_t, double *, size_t);
 int fmi3GetNumberOfVariableDependencies(void *, unsigned, size_t *);
 int fmi3GetVariableDependencies(void *, unsigned, size_t *, unsigned *, size_t *, int *, size_t);
+int fmi3EnterEventMode(void *);
+int fmi3UpdateDiscreteStates(void *, bool *, bool *, bool *, bool *, bool *, double *);
+int fmi3EnterContinuousTimeMode(void *);
+int fmi3CompletedIntegratorStep(void *, bool, bool *, bool *);
+int fmi3SetTime(void *, double);
+int fmi3SetContinuousStates(void *, const double *, size_t);
+int fmi3GetContinuousStates(void *, double *, size_t);
+int fmi3GetContinuousStateDerivatives(void *, double *, size_t);
+int fmi3GetEventIndicators(void *, double *, size_t);
+int fmi3GetNominalsOfContinuousStates(void *, double *, size_t);
 
 #define free_instance fmi3FreeInstance
 #define enter_initialization(c) fmi3EnterInitializationMode(c, false, 0.0, 0.0, false, 0.0)
@@ -41,6 +52,14 @@ int fmi3GetVariableDependencies(void *, unsigned, size_t *, unsigned *, size_t *
 #define deserialize fmi3DeserializeFMUState
 #define set fmi3SetFloat64
 #define get fmi3GetFloat64
+#define enter_event_mode fmi3EnterEventMode
+#define enter_continuous_mode fmi3EnterContinuousTimeMode
+#define set_time fmi3SetTime
+#define set_states fmi3SetContinuousStates
+#define get_states fmi3GetContinuousStates
+#define get_rates fmi3GetContinuousStateDerivatives
+#define get_indicators fmi3GetEventIndicators
+#define get_nominals fmi3GetNominalsOfContinuousStates
 
 enum { PAST_THE_END = EVENT_INDICATORS + (N_INDICATORS > 0) };
 
@@ -76,8 +95,9 @@ static void update(void *environment, double time, bool setting, bool getting, b
 }
 
 static void *new_instance(int *refusals) {
-    void *c = fmi3InstantiateCoSimulation("host", GUID, "", false, false, false, true, output,
-                                          outputs, refusals, logger, update);
+    void *c = exchange ? fmi3InstantiateModelExchange("host", GUID, "", false, false, refusals, logger)
+                       : fmi3InstantiateCoSimulation("host", GUID, "", false, false, false, true, output,
+                                                     outputs, refusals, logger, update);
     if (!c) fail("no instance");
     return c;
 }
@@ -85,6 +105,19 @@ static void *new_instance(int *refusals) {
 static void begin(void *c) {
     MUST(enter_initialization(c));
     MUST(fmi3ExitInitializationMode(c));
+}
+
+static int new_discrete_states(void *c) {
+    bool flag[5];
+    double time;
+    return fmi3UpdateDiscreteStates(c, flag, flag + 1, flag + 2, flag + 3, flag + 4, &time);
+}
+
+static int completed_step(void *c, int *event) {
+    bool enter = false, end;
+    int status = fmi3CompletedIntegratorStep(c, true, &enter, &end);
+    *event = enter;
+    return status;
 }
 
 static int do_step(void *c, double time, double size) {

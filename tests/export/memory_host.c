@@ -1,8 +1,8 @@
 /* A C host of one block's FMU, linked with its sources, to run under the compiler's sanitizers. The
  * calls of a version of FMI are in the file HOST_API.
- *     memory_host lives COUNT       instances one after the other, from their creation to their end
- *     memory_host threads COUNT     instances side by side, each in a thread of its own
- * It exits with 1 and says why if a call fails, or if instances do not give the same as alone. */
+ *     memory_host lives INTERFACE COUNT     one after the other, every hundredth with all calls
+ *     memory_host threads INTERFACE COUNT   side by side, each in a thread of its own
+ * COUNT is the number of instances, INTERFACE co_simulation or model_exchange. It exits with 1 and says why if a call fails, or if instances do not give the same as alone. */
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -28,6 +28,7 @@ static void fail(const char *what) {
 /* The value references of the inputs and of the outputs, and how many values these have. */
 static unsigned input[N_INPUTS + 1], output[N_REFERENCES];
 static size_t outputs, values;
+static int exchange; /* whether instances are for model exchange */
 enum { MOST_VALUES = 2 * N_REFERENCES };
 
 #include HOST_API
@@ -50,11 +51,37 @@ static void excite(double *value, int seed, int step) {
     }
 }
 
+static void start(void *c) {
+    begin(c);
+    if (!exchange) return;
+    MUST(new_discrete_states(c));
+    MUST(enter_continuous_mode(c));
+}
+
+/* A step of Euler's method, after which there is an event. */
+static void integrate(void *c, int step) {
+    double x[N_CONTINUOUS + 1], rate[N_CONTINUOUS + 1], indicator[N_INDICATORS + 1];
+    int event;
+    MUST(set_time(c, step * STEP));
+    MUST(get_states(c, x, N_CONTINUOUS));
+    MUST(get_rates(c, rate, N_CONTINUOUS));
+    for (int i = 0; i < N_CONTINUOUS; i++) x[i] += STEP * rate[i];
+    MUST(set_time(c, step * STEP + STEP));
+    MUST(set_states(c, x, N_CONTINUOUS));
+    MUST(get_indicators(c, indicator, N_INDICATORS));
+    MUST(completed_step(c, &event));
+    MUST(enter_event_mode(c));
+    MUST(new_discrete_states(c));
+    MUST(get_nominals(c, x, N_CONTINUOUS));
+    MUST(enter_continuous_mode(c));
+}
+
 static void advance(void *c, int seed, int step) {
     double value[N_INPUTS + 1];
     excite(value, seed, step);
     MUST(set(c, input, N_INPUTS, value, N_INPUTS));
-    MUST(do_step(c, step * STEP, STEP));
+    if (exchange) integrate(c, step);
+    else MUST(do_step(c, step * STEP, STEP));
 }
 
 /* Through a state in memory and one in bytes, and back. */
@@ -80,34 +107,42 @@ static void save_and_restore(void *c) {
 
 static void refused(void *c) {
     unsigned wrong[] = {0, PAST_THE_END, (unsigned)-1};
-    double value[] = {NAN, 0.0, 0.0};
+    double value[] = {NAN, 0.0, 0.0}, x[N_CONTINUOUS + 1] = {0.0};
     for (int i = 0; i < 3; i++) MUST_NOT(set(c, wrong + i, 1, value, 1));
     for (int i = 1; i < 3; i++) MUST_NOT(get(c, wrong + i, 1, value, 1));
     MUST_NOT(do_step(c, 0.0, -STEP));
     MUST_NOT(do_step(c, 0.0, NAN));
+    MUST_NOT(set_states(c, x, N_CONTINUOUS + 1));
     MUST_NOT(enter_initialization(c));
 }
 
-/* An instance that is freed in the midst of a run; every tenth has gone through a reset. */
+/* All calls, and an end in the midst of a second run. */
 static void live(int seed) {
-    int refusals = 0, lives = seed % 10 ? 1 : 2;
+    int refusals = 0;
     double value[MOST_VALUES];
     void *c = new_instance(&refusals);
-    for (int life = 1; life <= lives; life++) {
-        begin(c);
+    for (int life = 1; life <= 2; life++) {
+        start(c);
         advance(c, seed, 0);
         derivatives(c);
         advance(c, seed, 1);
         save_and_restore(c);
         refused(c);
         MUST(get(c, output, outputs, value, values));
-        if (life < lives) {
+        if (life == 1) {
             MUST(terminate(c));
             MUST(reset(c));
         }
     }
     free_instance(c);
-    if (refusals != 10 * lives) fail("not every refused call was logged once");
+    if (refusals != 2 * 11) fail("not every refused call was logged once");
+}
+
+static void begin_and_end(void) {
+    int refusals = 0;
+    void *c = new_instance(&refusals);
+    start(c);
+    free_instance(c);
 }
 
 typedef struct {
@@ -119,7 +154,7 @@ static void *run(void *argument) {
     Job *job = argument;
     int refusals = 0;
     void *c = new_instance(&refusals);
-    begin(c);
+    start(c);
     for (int k = 0; k < STEPS; k++) {
         advance(c, job->seed, k);
         MUST(get(c, output, outputs, job->result[k], values));
@@ -146,14 +181,18 @@ static void side_by_side(int count) {
 }
 
 int main(int arguments, char **argument) {
-    if (arguments != 3) fail("usage: memory_host lives|threads COUNT");
-    int count = atoi(argument[2]);
+    if (arguments != 4) fail("usage: memory_host lives|threads co_simulation|model_exchange COUNT");
+    exchange = strcmp(argument[2], "model_exchange") == 0;
+    int count = atoi(argument[3]);
     for (unsigned i = 0; i < N_INPUTS; i++) input[i] = FIRST_INPUT + i;
     list_outputs();
     if (strcmp(argument[1], "threads") == 0)
         side_by_side(count);
     else
-        for (int i = 0; i < count; i++) live(i);
+        for (int i = 0; i < count; i++) {
+            if (i % 100 == 0) live(i);
+            else begin_and_end();
+        }
     free_instance(NULL);
     return 0;
 }

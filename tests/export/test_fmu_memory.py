@@ -19,6 +19,7 @@ MEMORY = ("-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-rec
 THREADS = ("-fsanitize=thread",)
 LIVES = 10_000
 INSTANCES = 6
+INTERFACES = ("co_simulation", "model_exchange")
 
 
 def compiled(folder: Path, compiler: str, flags: tuple[str, ...]) -> Path:
@@ -71,8 +72,12 @@ def run(program: Path, *arguments: object) -> None:
 
 
 def test_ten_thousand_lives_leave_no_memory_behind(block_name, fmi, tmp_path_factory):
-    run(host(block_name, fmi, MEMORY, tmp_path_factory), "lives", LIVES)
+    program = host(block_name, fmi, MEMORY, tmp_path_factory)
+    for interface in INTERFACES:
+        run(program, "lives", interface, LIVES)
 
 
 def test_instances_in_threads_share_nothing(block_name, fmi, tmp_path_factory):
-    run(host(block_name, fmi, THREADS, tmp_path_factory), "threads", INSTANCES)
+    program = host(block_name, fmi, THREADS, tmp_path_factory)
+    for interface in INTERFACES:
+        run(program, "threads", interface, INSTANCES)
