@@ -22,6 +22,7 @@ from .session import Session
 from .simulation import resume, simulate
 from .system import Component, Connection, Experiment, PowerBond, System
 from .transformation import Linear, Table
+from .trust.refinement import verify
 
 __all__ = [
     "BondResidual",
@@ -50,4 +51,5 @@ __all__ = [
     "read_port_map",
     "resume",
     "simulate",
+    "verify",
 ]

@@ -39,16 +39,21 @@ class Bond:
 
 @dataclass(frozen=True)
 class BondResidual:
-    """Energy through a bond, its size summed, and what the sides saw differently [J]."""
+    """Energy through a bond, its size summed, and what the sides saw differently [J].
+
+    jumps: change of the force from step to step over twice its size: small for what moves, 1 for
+    what jumps to and fro, as it does in a coupling that is unstable.
+    """
 
     name: str
     passed: float
     residual: float
+    jumps: float = 0.0
 
     @property
     def relative(self) -> float:
         """Size of the residual over the energy that passed; 0 where nothing passed."""
-        return abs(self.residual) / self.passed if self.passed > 0.0 else 0.0
+        return 0.0 if self.passed == 0.0 else abs(self.residual) / self.passed
 
 
 def find_bonds(
@@ -157,13 +162,18 @@ class BondSums:
         step: float,
     ) -> None:
         self._bonds, self._column_of, self._led, self._step = bonds, column_of, led, step
-        self.values = np.zeros((2, len(bonds)))  # passed, residual [J]
+        # Passed, residual [J]; change of the force from step to step, and its size [N].
+        self.values = np.zeros((4, len(bonds)))
 
     def add(self, rows: NDArray[np.float64], ends: NDArray[np.float64]) -> None:
         """Add the steps between rows, shape (steps + 1, columns).
 
         ends: what led inputs were led to at the end of each step [target's unit].
         """
+        with np.errstate(over="ignore", invalid="ignore"):  # what blows up is for the verdict
+            self._add(rows, ends)
+
+    def _add(self, rows: NDArray[np.float64], ends: NDArray[np.float64]) -> None:
         for n, bond in enumerate(self._bonds):
             force, force_end = self._side(bond.force, rows, ends)
             velocity, velocity_end = self._side(bond.velocity, rows, ends)
@@ -173,14 +183,18 @@ class BondSums:
             for total, terms in (
                 (self.values[0], 0.5 * (np.abs(source) + np.abs(target))),
                 (self.values[1], source - target),
+                (self.values[2], np.abs(force[1:] - f0)),
+                (self.values[3], np.abs(force[1:]) + np.abs(f0)),
             ):
                 total[n] = np.cumsum(np.append(total[n], terms))[-1]
 
     def residuals(self) -> list[BondResidual]:
         """Energy residual of every bond so far."""
         return [
-            BondResidual(bond.name, float(passed), float(residual))
-            for bond, passed, residual in zip(self._bonds, *self.values, strict=True)
+            BondResidual(bond.name, passed, residual, change / size if size > 0.0 else 0.0)
+            for bond, (passed, residual, change, size) in zip(
+                self._bonds, self.values.T.tolist(), strict=True
+            )
         ]
 
     def _side(

@@ -12,7 +12,8 @@ if TYPE_CHECKING:
 
 def rms(response: xr.DataArray) -> float:
     """Root mean square about zero [the response's unit]."""
-    return float(np.sqrt(np.mean(np.square(response.values))))
+    with np.errstate(over="ignore"):  # of what blew up
+        return float(np.sqrt(np.mean(np.square(response.values))))
 
 
 def peak(response: xr.DataArray) -> float:

@@ -93,6 +93,13 @@ class ResultsFile:
                 f"'{path}' cannot be gone on with: {_reason(error)}; run anew"
             ) from None
 
+    @classmethod
+    def finished(cls, path: Path, width: int) -> ResultsFile:
+        """A file that is complete, with `width` numbers in a row."""
+        with path.open("rb") as stream:
+            rows = int.from_bytes(stream.read(_ROW_COUNT + 4)[_ROW_COUNT:], "big")
+        return cls(path, path.stat().st_size - 8 * width * rows, width)
+
     def append(self, rows: NDArray[np.float64]) -> None:
         """Add rows, shape (n, 1 + variables); raises ResultsError, with those that fit kept."""
         step = max(1, _BLOCK // (8 * self._width))

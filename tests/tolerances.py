@@ -266,3 +266,6 @@ ITERATED_VERSIONS = 1e-5
 
 STEP_LIMIT = 0.05
 """Predicted largest stable step against the exact one; a search that stops at 2 %."""
+
+ESTIMATED_ERROR = 0.5
+"""Richardson's estimate against the true error: the next order, and an order that is not whole."""

@@ -26,6 +26,7 @@ from .run_options import RESUMED, isolated, logged, run_options, survival
 from .self_test_command import test
 from .studies.command import study
 from .terminal import writable
+from .trust_options import shown, trust_options, trusted
 
 if TYPE_CHECKING:
     from orchestrator import Run
@@ -140,6 +141,7 @@ Examples:
   tracktrain run --track perfect --initial truck_front.yaw="0.005 deg" --speed "80 ft/s"
   tracktrain run --set wheelset_11.conicity=0.1 --set track.report_rms="0.05 in"
   tracktrain run --swap truck_rear=my_truck.fmu --out results/my-truck
+  tracktrain run --master jacobi --verify --verify-output "wheelset_*.force_y"
   tracktrain run hopper.ssp --set track.seed=7"""
 )
 @click.argument(
@@ -159,6 +161,7 @@ Examples:
     help="Folder for results.nc and the pictures.",
 )
 @run_options
+@trust_options
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
 def run(
@@ -182,10 +185,10 @@ def run(
     --set, --swap, --duration and --step change that.
     """
     with clear_errors():
-        from orchestrator import read_checkpoint, simulate
+        from orchestrator import read_checkpoint, simulate, verify
         from orchestrator import resume as go_on
 
-        how, coupled = survival(shape), coupling(shape)
+        how, coupled, trust = survival(shape), coupling(shape), trusted(shape)
         folder = writable(resume or out)
         start: Callable[..., Run]
         if resume is not None:
@@ -202,15 +205,13 @@ def run(
             changes = {k: v for k, v in shape.items() if k not in CAR_ONLY}
             system = chosen_file(file, ssd, unpacked=kept, **changes)
         if resume is None:
-            start = partial(
-                simulate,
-                system,
-                out=folder,
-                isolate=isolated(isolate, system),
-                command=ctx.meta["command"],
+            settings = {
                 **how,
                 **coupled,
-            )
+                "isolate": isolated(isolate, system),
+                "self_test": trust["self_test"],
+            }
+            start = partial(simulate, system, out=folder, command=ctx.meta["command"], **settings)
         experiment = system.experiment
         span = (experiment.stop or 0.0) - (experiment.start or 0.0)
         with (
@@ -220,6 +221,10 @@ def run(
         ):
             stage("running")
             result = start(progress=progress, logger=logger)
+            if trust["verify"]:
+                stage("verifying")
+                outputs = trust["verify_output"] or shown(system)
+                result = verify(system, outputs=outputs, twin=trust["twin"], run=result, **settings)
             stage("writing")
             lost = _write(result, folder, csv, page)
         if result.completed:

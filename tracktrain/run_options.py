@@ -72,12 +72,6 @@ _OPTIONS: tuple[Callable[[Any], Any], ...] = (
         help="Longest wall time that a call of an isolated FMU may take.",
     ),
     click.option(
-        "--self-test/--no-self-test",
-        default=True,
-        help="Whether the FMUs are tested first, once each and then remembered, and the largest "
-        "stable step is predicted.  [default: they are]",
-    ),
-    click.option(
         "--log",
         type=click.Path(path_type=Path, dir_okay=False),
         metavar="FILE",
@@ -109,8 +103,7 @@ def run_options(command: Command) -> Command:
 def survival(options: dict[str, Any]) -> dict[str, Any]:
     """Take what options above say out of a command's, as `orchestrator.simulate` has it."""
     taken = {
-        name: options.pop(name)
-        for name in ("record", "every", "memory", "checkpoint", "timeout", "self_test")
+        name: options.pop(name) for name in ("record", "every", "memory", "checkpoint", "timeout")
     }
     return {**taken, "record": taken["record"] or None}
 

@@ -158,7 +158,7 @@ class IsolatedSlave(Slave):
             return f"its process did not return from {doing} within {self._timeout:g} s"
         if self._slots[b.FAILED]:
             self._end()
-            return f"its process crashed in {doing} ({_cause(self._process.returncode)})"
+            return f"its process crashed in {doing} ({cause(self._process.returncode)})"
         failed = b.CALLED.get(int(self._slots[b.FAILED_CALL]), function)
         return super().fault(failed, status)
 
@@ -283,7 +283,8 @@ class IsolatedSlave(Slave):
             time.sleep(1e-3)
 
 
-def _cause(code: int | None) -> str:
+def cause(code: int | None) -> str:
+    """Why a process ended, by its exit code."""
     if code is None or code >= 0:
         return f"it exited with code {code}"
     return f"{signal.Signals(-code).name}: {(signal.strsignal(-code) or '').lower()}"

@@ -20,6 +20,8 @@ from ..errors import OrchestratorError
 from ..monolith import monolith
 from ..plan import make_plan
 from ..results import Run
+from ..results_file import VERDICT, ResultsFile
+from ..session import Session
 from ..simulation import simulate, span
 from ..system import System
 from .verdict import Level
@@ -126,8 +128,11 @@ def verify(
         again = {k: v for k, v in how.items() if k not in _OF_THE_RUN}
         again |= {"duration": duration, "start": start, "record": names}
         # The rows of all runs at the times that the coarsest has, whatever it kept of them.
-        coarse = simulate(system, **again, step=step)
-        finer = [simulate(system, **again, step=step / n, every=n) for n in (2, 4)]
+        with Session() as session:
+            coarse, *finer = (
+                simulate(system, **again, session=session, step=step / n, every=n)
+                for n in (1, 2, 4)
+            )
         stopped = next((r for r in finer if not r.completed), None)
         if stopped is not None:
             notes.append(f"with a smaller step the run stopped: {stopped.message}")
@@ -141,15 +146,18 @@ def verify(
     else:
         against = ()
     found = Refinement(step, tuple(errors), against, min(twin, duration), tuple(notes))
-    return replace(
-        run,
-        evidence=replace(run.evidence, refinement=found),
-        notes=[*run.notes, *notes],
+    judged = replace(
+        run, evidence=replace(run.evidence, refinement=found), notes=[*run.notes, *notes]
     )
+    judged.attributes |= {VERDICT: str(judged.verdict)}
+    if run.path is not None:
+        file = ResultsFile.finished(run.path, 1 + len(run.variables))
+        file.finish({VERDICT: str(judged.verdict)})
+    return judged
 
 
 _OF_THE_RUN = ("duration", "start", "step", "record", "every", "out", "checkpoint", "measure",
-               "self_test", "progress", "command", "memory")  # fmt: skip
+               "self_test", "progress", "command", "memory", "session")  # fmt: skip
 """Arguments of `simulate` that its repetitions do not have, or have other ones of."""
 
 
@@ -206,7 +214,8 @@ def _level(error: float, small: float, large: float) -> Level:
 
 
 def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))
+    with np.errstate(over="ignore", invalid="ignore"):  # of what blew up
+        return float(np.sqrt(np.mean(np.square(values))))
 
 
 def percent(share: float) -> str:

@@ -79,9 +79,11 @@ def _run(asked: Path, answered: Path, timeout: float) -> str:
         )
     except subprocess.TimeoutExpired:
         return f"its self-test did not end within {timeout:g} s; isolate it"
+    from ..isolation.slave import cause
+
     said = done.stderr.decode(errors="replace").strip().splitlines()
     more = f": {said[-1]}" if said else ""
-    return f"its self-test crashed (exit code {done.returncode}){more}; isolate it"
+    return f"its self-test crashed ({cause(done.returncode)}){more}; isolate it"
 
 
 def answer(asked: Path, answered: Path) -> None:

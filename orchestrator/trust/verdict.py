@@ -37,6 +37,9 @@ CARRYING = 1e-6
 SMALL_ERROR, LARGE_ERROR = 0.01, 0.2
 """Estimated error of an output over its rms: what engineering takes, and what it cannot use."""
 
+JUMPING = 0.5
+"""Change of a force from step to step over twice its size, above which it jumps to and fro."""
+
 _ORDER = [Level.GOOD, Level.UNKNOWN, Level.DOUBTFUL, Level.BAD]
 
 
@@ -106,10 +109,14 @@ def judge(message: str | None, bonds: Sequence[BondResidual], evidence: Evidence
     if worst is not None:
         level = Level.GOOD
         text = f"energy residual {worst.relative:.1e}"
-        if worst.relative > SMALL_RESIDUAL:
-            level = Level.BAD if worst.relative > LARGE_RESIDUAL else Level.DOUBTFUL
+        if not worst.relative <= SMALL_RESIDUAL:
+            level = Level.DOUBTFUL if worst.relative <= LARGE_RESIDUAL else Level.BAD
             text += f" at {worst.name}, more than {SMALL_RESIDUAL:g}"
         found.append((level, text))
+    jumping = max(_carrying(bonds), key=lambda bond: bond.jumps, default=None)
+    if jumping is not None and not jumping.jumps <= JUMPING:
+        text = f"the force in {jumping.name} jumps to and fro from step to step"
+        found.append((Level.BAD, text))
     limit = evidence.limit
     if limit is not None:
         if limit.close:
@@ -142,9 +149,12 @@ def judge(message: str | None, bonds: Sequence[BondResidual], evidence: Evidence
 
 def worst_bond(bonds: Sequence[BondResidual]) -> BondResidual | None:
     """The bond with the largest relative residual among those that carry energy."""
+    return max(_carrying(bonds), key=lambda bond: bond.relative, default=None)
+
+
+def _carrying(bonds: Sequence[BondResidual]) -> list[BondResidual]:
     busiest = max((bond.passed for bond in bonds), default=0.0)
-    carrying = [bond for bond in bonds if bond.passed > CARRYING * busiest]
-    return max(carrying, key=lambda bond: bond.relative, default=None)
+    return [bond for bond in bonds if not bond.passed <= CARRYING * busiest]
 
 
 def _tests(tests: Mapping[str, SelfTest]) -> list[tuple[Level, str]]:

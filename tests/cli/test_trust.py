@@ -1,0 +1,53 @@
+"""`tracktrain run` says how far its answer can be trusted."""
+
+from __future__ import annotations
+
+import xarray as xr
+from click.testing import CliRunner
+
+from tracktrain.cli import main
+
+
+def run(*arguments: str) -> str:
+    result = CliRunner().invoke(main, ["run", *arguments])
+    assert result.exit_code == 0, result.output
+    return " ".join(result.output.split())
+
+
+def test_a_run_ends_with_its_verdict_which_the_results_keep(tmp_path):
+    said = run("--duration", "0.2s", "--out", str(tmp_path))
+    verdict = said[said.index("Trust: ") :]
+    assert verdict.startswith("Trust: good. Energy residual ")
+    assert verdict.endswith("the FMUs passed their self-test.")
+    with xr.open_dataset(tmp_path / "results.nc") as dataset:
+        assert dataset.attrs["verdict"] == verdict
+        assert dataset.attrs["largest_stable_step"] > 5e-3
+
+
+def test_held_inputs_at_low_speed_are_warned_of_before_and_condemned_after(tmp_path):
+    said = run(
+        "--duration", "0.2s", "--master", "jacobi", "--speed", "10 ft/s", "--out", str(tmp_path)
+    )
+    assert "note: largest stable step: about 0.000575 s, by wheelset_" in said
+    assert "the step of 0.001 s is 1.7 of it: take at most 0.00029 s, or a master that" in said
+    assert "Trust: bad. The force in wheelset_" in said
+    assert "the step is 1.7 of the largest stable one, 0.00058 s, by wheelset_" in said
+
+
+def test_no_self_test_leaves_the_residual(tmp_path):
+    said = run("--duration", "0.2s", "--no-self-test", "--out", str(tmp_path))
+    assert "largest stable step" not in said and "self-test" not in said
+    assert "Trust: good. Energy residual " in said
+
+
+def test_verify_says_how_large_the_error_is(tmp_path):
+    said = run(
+        "--duration", "0.3s", "--master", "jacobi", "--verify", "--twin", "0.1s",
+        "--verify-output", "wheelset_1*.force_y", "--out", str(tmp_path),
+    )  # fmt: skip
+    verdict = said[said.index("Trust: ") :]
+    assert "error of wheelset_1" in verdict.lower() and "% of its rms (order 1." in verdict
+    assert "from the monolithic twin (wheelset_1" in verdict and "first 0.1 s)" in verdict
+    with xr.open_dataset(tmp_path / "results.nc") as dataset:
+        assert dataset.attrs["verdict"] == verdict
+        assert dataset.sizes["time"] == 301
