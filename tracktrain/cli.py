@@ -279,7 +279,7 @@ def export(file: Path, standard: str | None, changes_only: bool, **shape: Any) -
 def _write(result: Run, folder: Path, csv: bool, page: bool) -> list[str]:
     """Write what is made of results.nc, and say what could not be."""
     from . import plots
-    from .results import BONDS, bond_table
+    from .results import BONDS, bond_table, opened
 
     try:
         bonds = bond_table(result)
@@ -288,7 +288,7 @@ def _write(result: Run, folder: Path, csv: bool, page: bool) -> list[str]:
         if page:
             from .report import write_report
 
-            write_report(result.dataset, folder, bonds)
+            write_report(opened(folder), folder, bonds)
         if csv:
             result.write_csv(folder)
     except OSError as error:

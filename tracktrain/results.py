@@ -17,7 +17,7 @@ BONDS = "bonds.csv"
 
 
 def opened(folder: Path) -> xr.Dataset:
-    """The dataset in a run's folder; raises TracktrainError where there is none."""
+    """The dataset in a run's folder, read as it is used; TracktrainError where there is none."""
     import xarray as xr
 
     from orchestrator.results_file import NAME
@@ -28,7 +28,7 @@ def opened(folder: Path) -> xr.Dataset:
             f"there is no {NAME} in '{folder}'; name the folder that `tracktrain run --out` wrote"
         )
     try:
-        return xr.open_dataset(path, engine="netcdf4")
+        return xr.open_dataset(path, engine="netcdf4", cache=False)
     except (OSError, ValueError) as error:
         raise TracktrainError(f"'{path}' cannot be read: {error}") from None
 

@@ -39,12 +39,14 @@ def browser(hopper_run: Path) -> Iterator[Driver]:
 
 @pytest.fixture
 def show(browser: Driver, hopper_run: Path) -> Callable[..., Driver]:
-    """Open the page at a width [px] and wait until it is ready."""
+    """The page at a width [px], opened anew or, for who only looks, as the last test left it."""
 
-    def at(width: int = 1280) -> Driver:
+    def at(width: int = 1280, fresh: bool = True) -> Driver:
         metrics = {"width": width, "height": 800, "deviceScaleFactor": 1, "mobile": width < 500}
         browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
-        browser.get((hopper_run / "report.html").as_uri())
+        url = (hopper_run / "report.html").as_uri()
+        if fresh or browser.current_url != url:
+            browser.get(url)
         ready = "return document.documentElement.dataset.ready === 'yes'"
         WebDriverWait(browser, 30).until(lambda d: d.execute_script(ready))
         return browser
@@ -148,13 +150,13 @@ def test_keys_alone_reach_and_work_the_car(show: Callable[..., Driver]) -> None:
 
 @pytest.mark.parametrize("width", [360, 768])
 def test_page_does_not_scroll_sideways(show: Callable[..., Driver], width: int) -> None:
-    driver = show(width)
+    driver = show(width, fresh=width < 500)
     assert driver.execute_script("return document.documentElement.scrollWidth") <= width
     assert driver.get_log("browser") == []
 
 
 def test_everything_to_work_with_has_a_name(show: Callable[..., Driver]) -> None:
-    driver = show()
+    driver = show(fresh=False)
     nameless = driver.execute_script(
         """return [...document.querySelectorAll("main button, main input, main select, canvas")]
         .filter(e => !(e.ariaLabel || e.textContent.trim() || e.labels?.length))
@@ -164,7 +166,7 @@ def test_everything_to_work_with_has_a_name(show: Callable[..., Driver]) -> None
 
 
 def test_colours_follow_the_systems_dark_mode(show: Callable[..., Driver]) -> None:
-    driver = show()
+    driver = show(fresh=False)
     light = driver.execute_script("return getComputedStyle(document.body).backgroundColor")
     features = [{"name": "prefers-color-scheme", "value": "dark"}]
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})

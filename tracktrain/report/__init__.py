@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import content, motion, series
-from .packing import Array, compressed, packed
+from .packing import compressed, packed
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -71,9 +71,8 @@ def page(dataset: xr.Dataset, bonds: pd.DataFrame | None = None) -> str:
 
 def _data(dataset: xr.Dataset) -> tuple[str, str, int]:
     """What the scripts know of the run: JSON, and the arrays that it indexes; rows of a bin."""
-    drawn, width = series.curves(dataset)
-    arrays: dict[str, Array] = {**drawn, **series.spectra(dataset)}
-    known: dict[str, Any] = {"signals": series.described(dataset)}
+    said, arrays, width = series.signals(dataset)
+    known: dict[str, Any] = {"signals": said}
     for name, part in (("scene", motion.scene(dataset)), ("modes", motion.modes(dataset))):
         known[name] = part[0] if part else None
         arrays |= part[1] if part else {}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,46 +39,55 @@ LARGEST = 5e3
 """Of a value as shown, above which it stays in the recorded unit."""
 
 
-def described(dataset: xr.Dataset) -> list[dict[str, Any]]:
-    """Name, description, unit and factor of every signal."""
-    found = []
-    for name, values in dataset.data_vars.items():
-        unit = str(values.attrs.get("units", "1"))
-        shown, factor = SHOWN.get(unit, (unit, 1.0))
-        if factor > 1.0 and float(np.abs(values.values).max(initial=0.0)) * factor > LARGEST:
-            shown, factor = unit, 1.0
-        text = str(values.attrs.get("description", ""))
-        found.append({"name": str(name), "text": text, "unit": shown, "factor": factor})
-    return found
+def signals(dataset: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, Array], int]:
+    """Every signal: what it is, arrays of it, and how many rows two points of a curve stand for.
 
-
-def curves(dataset: xr.Dataset) -> tuple[dict[str, Array], int]:
-    """`time` and `signals` (signals, points), and how many rows each pair of points stands for."""
+    Arrays: time (points), signals (signals, points), frequency [Hz] (lines), density (signals,
+    lines). The signals are read one after the other, since a long run does not fit into memory.
+    """
     time = dataset["time"].values
-    width = int(np.ceil(2 * len(time) / POINTS)) if len(time) > POINTS else 1
-    if width > 1:
-        width = max(width, 3)
-    rows = [envelope(np.asarray(v.values, dtype=float), width) for v in dataset.data_vars.values()]
-    return {"time": envelope_time(time, width), "signals": np.array(rows)}, width
+    width = max(int(np.ceil(2 * len(time) / POINTS)), 3) if len(time) > POINTS else 1
+    rate = (len(time) - 1) / float(time[-1] - time[0])
+    said, curves, densities, frequency = [], [], [], np.empty(0)
+    for name, variable in dataset.data_vars.items():
+        values = np.asarray(variable.values, dtype=float)
+        said.append(_described(str(name), variable.attrs, values))
+        curves.append(envelope(values, width))
+        frequency, density = spectrum(values, rate)
+        densities.append(density)
+    arrays = {
+        "time": envelope_time(time, width),
+        "signals": np.array(curves),
+        "frequency": frequency,
+        "density": np.array(densities),
+    }
+    return said, arrays, width
 
 
-def spectra(dataset: xr.Dataset) -> dict[str, Array]:
-    """`frequency` [Hz] and `density` (signals, lines), the one-sided power spectral density.
+def spectrum(values: Array, rate: float) -> tuple[Array, Array]:
+    """Frequencies [Hz] and the one-sided power spectral density of rows at a rate [Hz].
 
     Welch's estimate with Hann windows; above the lowest lines those that fall together on a
     logarithmic axis are averaged.
     """
     from scipy.signal import welch
 
-    time = dataset["time"].values
-    rows = np.array([v.values for v in dataset.data_vars.values()], dtype=float)
-    rate = (len(time) - 1) / float(time[-1] - time[0])
-    length = max(len(time) // SEGMENTS, min(len(time), 16))
-    frequency, density = welch(rows, rate, nperseg=length, detrend="linear", axis=-1)
-    frequency, density = frequency[1:], density[:, 1:]
+    length = max(len(values) // SEGMENTS, min(len(values), 16))
+    frequency, density = welch(values, rate, nperseg=length, detrend="linear")
+    frequency, density = frequency[1:], density[1:]
     edges = np.unique(np.geomspace(1, len(frequency) + 1, LINES + 1).round().astype(int)) - 1
     count = np.diff(edges)
-    return {
-        "frequency": np.add.reduceat(frequency, edges[:-1]) / count,
-        "density": np.add.reduceat(density, edges[:-1], axis=1) / count,
-    }
+    return (
+        np.add.reduceat(frequency, edges[:-1]) / count,
+        np.add.reduceat(density, edges[:-1]) / count,
+    )
+
+
+def _described(name: str, attributes: Mapping[str, Any], values: Array) -> dict[str, Any]:
+    """Name, description, unit and factor of a signal."""
+    unit = str(attributes.get("units", "1"))
+    shown, factor = SHOWN.get(unit, (unit, 1.0))
+    if factor > 1.0 and float(np.abs(values).max(initial=0.0)) * factor > LARGEST:
+        shown, factor = unit, 1.0
+    text = str(attributes.get("description", ""))
+    return {"name": name, "text": text, "unit": shown, "factor": factor}

@@ -22,6 +22,9 @@ FRAMES = 24
 HEIGHT, HALF_WIDTH = 2.4, 1.5
 """Of the drawn carbody above its centre plates, and across [m]; for the eye only."""
 
+FLOOR = ((0.0, 0.17, 0.33, 0.5, 1.0), (0.3, -0.3, -0.3, 0.2, 1.6))
+"""The hoppers' floor: shares of half the length, and height there above the centre plates [m]."""
+
 WHEEL_RADIUS = 0.42
 """[m]; for the eye only."""
 
@@ -78,10 +81,12 @@ def _carbody(shape: Mapping[str, complex], p: Mapping[str, float]) -> Iterator[L
     """Sections along the body, and the lines between their corners."""
     stations = np.linspace(-p["body_length"] / 2, p["body_length"] / 2, 13)
     h = p["gravity_centre_height"]
-    corners = [(-HALF_WIDTH, 0.0), (HALF_WIDTH, 0.0), (HALF_WIDTH, HEIGHT), (-HALF_WIDTH, HEIGHT)]
+    corners = ((-1, False), (1, False), (1, True), (-1, True))
 
-    def point(x: float, corner: tuple[float, float]) -> tuple[Array, NDArray[np.complex128]]:
-        y, z = corner
+    def point(x: float, corner: tuple[int, bool]) -> tuple[Array, NDArray[np.complex128]]:
+        side, upper = corner
+        floor = np.interp(2 * abs(x) / p["body_length"], *FLOOR)
+        y, z = side * HALF_WIDTH, HEIGHT if upper else float(floor)
         return np.array([x, y, z]), _body_motion(shape, p, x, y, z - h)
 
     for corner in corners:
@@ -90,6 +95,8 @@ def _carbody(shape: Mapping[str, complex], p: Mapping[str, float]) -> Iterator[L
     for x in stations[::3]:
         ring = [point(x, corner) for corner in (*corners, corners[0])]
         yield Line(np.array([e[0] for e in ring]), np.array([e[1] for e in ring]), "carbody")
+    sill = [(np.array([x, 0.0, 0.0]), _body_motion(shape, p, x, 0.0, -h)) for x in stations[::2]]
+    yield Line(np.array([e[0] for e in sill]), np.array([e[1] for e in sill]), "carbody")
 
 
 def _body_motion(

@@ -109,8 +109,12 @@ class Scene {
       this.pen.fill();
       return;
     }
+    if (part === "wheelset" && line.length > 2) {
+      this.pen.fillStyle = colour("disc");
+      this.pen.fill();
+    }
     this.pen.strokeStyle = colour(COLOURS[part]);
-    this.pen.lineWidth = part === "carbody" ? 1.4 : 3;
+    this.pen.lineWidth = (part === "carbody" ? 1.4 : 3) * Math.min(Math.max(this.zoom / 55, 0.5), 1);
     this.pen.lineJoin = this.pen.lineCap = "round";
     this.pen.stroke();
   }
