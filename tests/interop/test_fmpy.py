@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import csv
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 import tolerances
 from fmpy import read_model_description, simulate_fmu
 
 from fmus import BLOCKS
-from fmus.catalogue import NAMES, fmu_path
+from fmus.catalogue import FMI_VERSIONS, NAMES, fmu_path
 from fmus.parameters import DEFAULT_SET, parameter_set
 from fmus.twin import Twin
 from orchestrator import Component, System, simulate
@@ -94,3 +98,21 @@ def test_inputs_that_vary_give_what_the_python_twin_gives(block_name, with_rates
         ours.append(twin.outputs())
     scale = np.maximum(np.abs(theirs), 1e-9 * np.abs(theirs).max())
     assert (np.abs(np.array(ours) - theirs) <= tolerances.PARITY * scale).all()
+
+
+@pytest.mark.parametrize("fmi", FMI_VERSIONS)
+def test_the_command_line_simulates_each_interface(block_name, fmi, tmp_path):
+    """As its users type it, with inputs at their start values."""
+    for interface in ("CoSimulation", "ModelExchange"):
+        file = tmp_path / f"{interface}.csv"
+        options = ("--validate", "--interface-type", interface, "--stop-time", "0.2")
+        command = [sys.executable, "-m", "fmpy", *options, "--output-file", file]
+        subprocess.run([*command, "simulate", fmu_path(block_name, fmi)], check=True)
+        with file.open() as lines:
+            header, *rows = csv.reader(lines)
+        values = np.array([" ".join(row).split() for row in rows], float)  # arrays have a cell
+        assert len(values) > 100 and np.isfinite(values).all()
+        if block_name == "track":
+            time, distance = (np.array([float(row[n]) for row in rows]) for n in (0, 1))
+            assert header[:2] == ["time", "distance"]
+            assert distance == pytest.approx(18.288 * time, rel=tolerances.EXCHANGE, abs=1e-12)
