@@ -131,7 +131,7 @@ def test_run_too_short_for_a_window_says_how_long_it_must_be() -> None:
     table = assess(motion(8.0, ay=1.0))
     assert row(table, "aar_hunting")["result"] == (
         "not applicable: the window of 2000 ft is longer than the run of 146 m; at this speed it "
-        "takes 34 s"
+        "takes 33.4 s"
     )
     assert row(table, "carbody_lateral_oscillation")["result"] == "passed"
 

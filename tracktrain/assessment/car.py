@@ -120,7 +120,7 @@ class Car:
         said = f"the window of {window} is longer than the run of {extent:.3g} {unit}"
         if unit == "m":
             needed = length / (extent / float(self.time[-1] - self.time[0]))
-            said += f"; at this speed it takes {np.ceil(needed):.0f} s"
+            said += f"; at this speed it takes {np.ceil(10 * needed) / 10:g} s"
         return said
 
     def _dominant(self, values: Array) -> float:
