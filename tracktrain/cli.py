@@ -25,6 +25,7 @@ from .results_commands import assess, report
 from .run_options import RESUMED, isolated, logged, run_options, survival
 from .self_test_command import test
 from .studies.command import study
+from .sweep.command import sweep
 from .terminal import writable
 from .trust_options import shown, trust_options, trusted
 
@@ -66,6 +67,7 @@ fmu.add_command(pack)
 fmu.add_command(test)
 main.add_command(report)
 main.add_command(study)
+main.add_command(sweep)
 
 
 @main.command(

@@ -10,6 +10,9 @@ from .options import Name
 from .run_options import Command
 
 MASTERS = ("one-pass", "jacobi", "gauss-seidel", "iterated")
+COUPLING = ("master", "order", "method", "tolerance", "iterations")
+"""Arguments of `orchestrator.simulate` that the options below are."""
+
 METHODS = ("broyden", "iqn-ils", "aitken", "fixed-point")
 
 _OPTIONS = (
@@ -60,5 +63,4 @@ def master_options(command: Command) -> Command:
 
 def coupling(options: dict[str, Any]) -> dict[str, Any]:
     """Take what the options above say out of a command's, as `orchestrator.simulate` has it."""
-    names = ("master", "order", "method", "tolerance", "iterations")
-    return {name: options.pop(name) for name in names}
+    return {name: options.pop(name) for name in COUPLING}

@@ -1,0 +1,239 @@
+"""What a sweep goes over: names, and values written as ranges or lists with a unit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from ..changes import assigned
+from ..errors import TracktrainError, choices
+from ..hopper import BLOCK_OF, CARS, TRACKS, hopper_car
+from ..master_options import MASTERS
+from ..options import NUMBER_THEN_UNIT
+
+if TYPE_CHECKING:
+    from orchestrator import System
+
+Given = str | float | Sequence[Any]
+
+QUANTITIES = {"speed": "m/s", "duration": "s", "step": "s"}
+"""Options with a unit, and the one that a run takes them in."""
+
+NAMED = {"car": CARS, "track": TRACKS, "master": MASTERS}
+"""Options that are one of some names."""
+
+OPTIONS = (*QUANTITIES, "seed", *NAMED)
+
+MOST = 1_000_000
+"""Values of a range; more are a slip of the pen."""
+
+EXAMPLE = "speed=20:140:5ft/s, seed=1:50, car=loaded,empty or instance.parameter=1:5:1mm"
+
+
+class SweepError(TracktrainError, ValueError):
+    """A sweep that cannot be made as it was asked for."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A name of `OPTIONS` or "instance.parameter", and its values in a unit."""
+
+    name: str
+    values: tuple[float | int | str, ...]
+    unit: str = ""
+
+    @property
+    def is_number(self) -> bool:
+        return all(not isinstance(value, str) for value in self.values)
+
+    @property
+    def label(self) -> str:
+        """Name and unit, as heading of a column."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+    def text(self, value: float | int | str) -> str:
+        """A value with its unit."""
+        return f"{value} {self.unit}" if self.unit else str(value)
+
+    @property
+    def digest(self) -> str:
+        """The axis in a few words."""
+        shown = [str(value) for value in self.values]
+        if len(shown) > 6:
+            shown = [*shown[:3], "...", shown[-1]]
+        return f"{self.name}={','.join(shown)}{f' {self.unit}' if self.unit else ''}"
+
+
+def read_axis(text: str) -> Axis:
+    """An axis as `name=start:stop:step unit` or `name=a,b,c unit`; raises SweepError."""
+    name, equals, values = text.partition("=")
+    if not equals or not name.strip() or not values.strip():
+        raise SweepError(f"'{text}' cannot be swept over; write it as {EXAMPLE}")
+    return make_axis(name.strip(), values.strip())
+
+
+def make_axis(name: str, given: Given) -> Axis:
+    """An axis from text as above, from one value, or from a sequence; raises SweepError.
+
+    Numbers without a unit are in the one that the option or the parameter has.
+    """
+    if isinstance(given, str):
+        values, unit = _range(name, given) if ":" in given else _list(name, given)
+    else:
+        plain: Iterable[Any] = [given] if isinstance(given, float | int) else given
+        values, unit = tuple(_plain(value) for value in plain), ""
+        if any(isinstance(value, str) for value in values):
+            values, unit = _list(name, ",".join(map(str, values)))
+        elif not isinstance(given, str):
+            unit = QUANTITIES.get(name, "") or _unit_of(name)
+    if not values:
+        raise SweepError(f"{name} has no values to sweep over; write it as {EXAMPLE}")
+    if len(set(values)) < len(values):
+        raise SweepError(f"{name} has a value twice; give each once")
+    axis = Axis(name, values, unit)
+    _check(axis)
+    return axis
+
+
+def shaped(axes: Sequence[Axis], point: Sequence[Any], shape: Mapping[str, Any]) -> dict[str, Any]:
+    """Options of a run, those of `chosen_car` and `master`, at a point of the grid."""
+    options = dict(shape)
+    for axis, value in zip(axes, point, strict=True):
+        if axis.name in QUANTITIES:
+            options[axis.name] = _converted(axis, value)
+        elif axis.name in OPTIONS:
+            options[axis.name] = value
+        else:
+            instance, _, parameter = axis.name.partition(".")
+            changed = (instance, parameter, axis.text(value))
+            options["settings"] = (*options["settings"], changed)
+    return options
+
+
+def _plain(value: Any) -> Any:
+    """A number of numpy's as Python's own."""
+    return value.item() if hasattr(value, "item") else value
+
+
+def _range(name: str, text: str) -> tuple[tuple[float | int, ...], str]:
+    parts = text.split(":")
+    last = NUMBER_THEN_UNIT.fullmatch(parts[-1])
+    numbers = [*map(_number, parts[:-1]), _number(last["number"]) if last else None]
+    if len(parts) > 3 or last is None or None in numbers:
+        raise SweepError(
+            f"the range {name}={text} cannot be read; write it as start:stop:step with one unit at "
+            "the end, as in speed=20:140:5ft/s"
+        )
+    start, stop, *rest = [n for n in numbers if n is not None]
+    step = rest[0] if rest else 1
+    if step == 0 or (stop - start) * step < 0:
+        raise SweepError(
+            f"the range {name}={text} is empty: {stop} is not reached by steps of {step}"
+        )
+    count = math.floor((stop - start) / step + 1e-9) + 1
+    if count > MOST:
+        raise SweepError(f"the range {name}={text} has {count} values, more than {MOST}")
+    values = [start + n * step for n in range(count)]
+    rounded = [v if isinstance(v, int) else float(f"{v:.12g}") for v in values]
+    return tuple(rounded), last["unit"]
+
+
+def _list(name: str, text: str) -> tuple[tuple[float | int | str, ...], str]:
+    """Values of a list, numbers where all are; a unit may follow each or the last."""
+    parts = [part.strip() for part in text.split(",")]
+    if name in NAMED or any(not part for part in parts):
+        return tuple(part for part in parts if part), ""
+    found = [NUMBER_THEN_UNIT.fullmatch(part) for part in parts]
+    units = {match["unit"] for match in found if match is not None and match["unit"]}
+    numbers = [_number(match["number"]) for match in found if match is not None]
+    known = [n for n in numbers if n is not None]
+    if len(known) < len(parts):  # items of an enumeration
+        return tuple(parts), ""
+    if len(units) > 1:
+        raise SweepError(f"{name}={text} mixes the units {' and '.join(sorted(units))}; use one")
+    return tuple(known), next(iter(units), "")
+
+
+def _number(text: str) -> float | int | None:
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return None
+
+
+def _check(axis: Axis) -> None:
+    """Raise SweepError for what no run could have."""
+    name = axis.name
+    if name in NAMED:
+        for value in axis.values:
+            if value not in NAMED[name]:
+                raise SweepError(
+                    f"there is no {name} '{value}'; {choices(str(value), NAMED[name])}"
+                )
+    elif name == "seed":
+        if axis.unit or not all(isinstance(value, int) for value in axis.values):
+            raise SweepError("a seed is a whole number, as in seed=1:50")
+    elif name in QUANTITIES:
+        for value in axis.values:
+            if _converted(axis, value) <= 0.0:
+                raise SweepError(
+                    f"a {name} of {axis.text(value)} cannot be run; give one above zero"
+                )
+    else:
+        _check_parameter(axis)
+
+
+def _check_parameter(axis: Axis) -> None:
+    instance, dot, parameter = axis.name.partition(".")
+    if not dot:
+        raise SweepError(
+            f"'{axis.name}' cannot be swept over; {choices(axis.name, OPTIONS)}, or a parameter as "
+            "instance.parameter"
+        )
+    if instance not in BLOCK_OF:
+        raise SweepError(f"there is no instance '{instance}'; {choices(instance, BLOCK_OF)}")
+    variables = _variables(instance)
+    if parameter not in variables:
+        known = [n for n, v in variables.items() if v.causality == "parameter"]
+        raise SweepError(f"{instance} has no parameter '{parameter}'; {choices(parameter, known)}")
+    for value in axis.values:
+        assigned(_usual_car(), instance, parameter, axis.text(value))
+
+
+def _converted(axis: Axis, value: Any) -> float:
+    """A speed or a time [SI]; raises SweepError for what measures something else."""
+    import click
+
+    from ..options import Quantity
+
+    if isinstance(value, str):
+        raise SweepError(f"{axis.name}={value} is no number with a unit, as in {EXAMPLE}")
+    kind = Quantity(axis.name, QUANTITIES[axis.name], (QUANTITIES[axis.name],), "60 ft/s")
+    try:
+        return kind.convert(axis.text(value), None, None)
+    except click.BadParameter as error:
+        raise SweepError(error.message) from None
+
+
+def _unit_of(name: str) -> str:
+    instance, _, parameter = name.partition(".")
+    if instance not in BLOCK_OF or parameter not in _variables(instance):
+        return ""
+    unit = _variables(instance)[parameter].unit
+    return "" if unit in (None, "1") else str(unit)
+
+
+def _variables(instance: str) -> Mapping[str, Any]:
+    from pathlib import Path
+
+    from orchestrator import describe
+
+    return describe(Path(str(_usual_car().components[instance].fmu))).variables
+
+
+def _usual_car() -> System:
+    return hopper_car()

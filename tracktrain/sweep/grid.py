@@ -1,0 +1,129 @@
+"""A sweep from start to end: grid, runs, table."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import choices
+from ..hopper import REPORT_SPEED, hopper_car
+from ..summary import ROWS
+from ..terminal import Progress
+from .axes import Axis, Given, SweepError, make_axis, shaped
+from .store import Store
+from .table import make_table, write_table
+from .workers import rows
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+USUAL: dict[str, Any] = {
+    "car": "loaded",
+    "speed": REPORT_SPEED,
+    "track": "report",
+    "seed": 1,
+    "duration": None,
+    "step": None,
+    "settings": (),
+    "initials": (),
+    "swaps": (),
+    "maps": (),
+    "master": "one-pass",
+    "order": 0,
+    "method": "broyden",
+    "tolerance": 1e-8,
+    "iterations": 100,
+}
+"""What the runs of a sweep have in common, where it does not say otherwise: as `tracktrain run`."""
+
+OUTPUTS = tuple(variable for group in ROWS.values() for variable, _ in group.values())
+"""Outputs whose numbers are taken: those that a run prints."""
+
+
+def sweep(
+    over: Mapping[str, Given] | Sequence[Axis],
+    *,
+    out: Path | str | None = None,
+    outputs: Sequence[str] = OUTPUTS,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    reuse: bool = True,
+    progress: Progress | None = None,
+    **options: Any,
+) -> xr.Dataset:
+    """Run the car at every point of a grid; rms, peak and dominant frequency of its outputs.
+
+    over: by "speed", "seed", "car", "track", "duration", "step", "master" or
+    "instance.parameter" the values, as "60:100:20 ft/s", "loaded,empty" or a sequence [SI].
+    out: folder for rows.jsonl, which has each run as soon as it is done, and in the end sweep.csv
+    and sweep.nc; a sweep that was stopped goes on from there. outputs: names or patterns.
+    workers, scheduler: see `workers.rows`. reuse: keep FMUs loaded between runs. options: what all
+    runs have, by the names of `USUAL`.
+    Raises SweepError for what cannot be swept over; a run that fails is a row that says why.
+    """
+    axes = _axes(over)
+    shape = _shape(options, axes)
+    points = list(product(*(axis.values for axis in axes)))
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(out) if out is not None else Path(temporary)
+        folder.mkdir(parents=True, exist_ok=True)
+        store = Store(folder, _asked(axes, shape, outputs))
+        tasks = {
+            number: shaped(axes, point, shape)
+            for number, point in enumerate(points)
+            if number not in store.rows
+        }
+        try:
+            for number, row in rows(tasks, outputs, workers, scheduler, reuse):
+                store.add(number, row)
+                if progress:
+                    progress(len(store.rows) / len(points))
+        finally:
+            table = make_table(axes, store.rows)
+            if out is not None:
+                write_table(table, folder)
+    return table
+
+
+def _axes(over: Mapping[str, Given] | Sequence[Axis]) -> list[Axis]:
+    found = (
+        [make_axis(name, given) for name, given in over.items()]
+        if isinstance(over, Mapping)
+        else list(over)
+    )
+    names = [axis.name for axis in found]
+    if not names:
+        raise SweepError("there is nothing to sweep over; give at least one axis")
+    for name in names:
+        if names.count(name) > 1:
+            raise SweepError(f"{name} is swept over twice; give all its values at once")
+    return found
+
+
+def _shape(options: Mapping[str, Any], axes: Sequence[Axis]) -> dict[str, Any]:
+    for name in options:
+        if name not in USUAL:
+            raise SweepError(f"a sweep has no option '{name}'; {choices(name, USUAL)}")
+    shape = {**USUAL, **options}
+    for axis in axes:
+        shape.pop(axis.name, None)
+    return shape
+
+
+def _asked(
+    axes: Sequence[Axis], shape: Mapping[str, Any], outputs: Sequence[str]
+) -> dict[str, Any]:
+    """All that decides what the rows are, the FMUs included."""
+    from orchestrator import describe
+
+    fmus = {Path(str(c.fmu)) for c in hopper_car().components.values()}
+    fmus |= {Path(path) for _, _, path in shape["swaps"]}
+    return {
+        "over": {axis.label: axis.values for axis in axes},
+        "options": shape,
+        "outputs": outputs,
+        "FMUs": {path.name: describe(path).sha256 for path in sorted(fmus)},
+    }

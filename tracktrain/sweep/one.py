@@ -1,0 +1,94 @@
+"""One run of a sweep, in whatever process: options in, a row of numbers out."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from fnmatch import fnmatchcase
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from orchestrator import Run, Session
+
+Row = dict[str, Any]
+
+LOAD_RATIOS = "*.l_over_v"
+"""Outputs whose largest value is a column of its own."""
+
+NUMBERS = {
+    "l_over_v.max": "1",
+    "energy_residual": "1",
+    "wall_time": "s",
+}
+"""Columns beside those of the outputs, and their units."""
+
+TEXTS = ("verdict", "message")
+
+
+@cache
+def session() -> Session:
+    """The process's own, which keeps the FMUs loaded from run to run."""
+    from orchestrator import Session
+
+    return Session()
+
+
+def run_one(options: Mapping[str, Any], outputs: Sequence[str], reuse: bool = True) -> Row:
+    """Run the car of `chosen_car`'s options and `simulate`'s coupling; its numbers by column.
+
+    The units stand under "units". A run that fails says why under "message", and has what was
+    computed until then.
+    """
+    from orchestrator import simulate
+
+    from ..chosen import chosen_car
+    from ..failures import PACKAGES
+    from ..master_options import COUPLING
+
+    begin = time.perf_counter()
+    car = {name: value for name, value in options.items() if name not in COUPLING}
+    coupled = {name: value for name, value in options.items() if name in COUPLING}
+    try:
+        run = simulate(
+            chosen_car(**car),
+            record=[*outputs, LOAD_RATIOS],
+            session=session() if reuse else None,
+            **coupled,
+        )
+    except Exception as error:
+        if type(error).__module__.partition(".")[0] in PACKAGES:
+            said = str(error)
+        else:
+            said = f"{type(error).__name__}: {error}"
+        return {"units": {}, "message": said, "wall_time": time.perf_counter() - begin}
+    row = _numbers(run, outputs)
+    row |= {"verdict": str(run.verdict), "message": run.message or ""}
+    row["wall_time"] = time.perf_counter() - begin
+    return row
+
+
+def _numbers(run: Run, outputs: Sequence[str]) -> Row:
+    from orchestrator.metrics import dominant_frequency, peak, rms
+
+    data = run.dataset
+    row: Row = {"units": {}}
+    for name in map(str, data.data_vars):
+        if any(fnmatchcase(name, pattern) or name == pattern for pattern in outputs):
+            values = data[name]
+            unit = str(values.attrs.get("units", "1"))
+            row |= {f"{name}.rms": rms(values), f"{name}.peak": peak(values)}
+            row[f"{name}.frequency"] = dominant_frequency(values)
+            row["units"] |= {f"{name}.rms": unit, f"{name}.peak": unit, f"{name}.frequency": "Hz"}
+    ratios = [_largest(data, str(n)) for n in data.data_vars if fnmatchcase(str(n), LOAD_RATIOS)]
+    if ratios:
+        row["l_over_v.max"] = max(ratios)
+    if run.bonds:
+        row["energy_residual"] = max(bond.relative for bond in run.bonds)
+    return row
+
+
+def _largest(data: xr.Dataset, name: str) -> float:
+    return float(abs(data[name]).max())

@@ -1,0 +1,83 @@
+"""The table of a sweep: a dataset over its axes, and the same as rows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .axes import Axis
+from .one import NUMBERS, TEXTS, Row
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+CSV, NETCDF = "sweep.csv", "sweep.nc"
+
+
+def make_table(axes: Sequence[Axis], rows: Mapping[int, Row]) -> xr.Dataset:
+    """Numbers and texts over the axes; NaN and "" where a run is missing or has none."""
+    import xarray as xr
+
+    shape = tuple(len(axis.values) for axis in axes)
+    dims = tuple(axis.name for axis in axes)
+    units = {name: unit for row in rows.values() for name, unit in row["units"].items()}
+    data: dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, str]]] = {}
+    for name, unit in {**units, **NUMBERS}.items():
+        values = np.full(int(np.prod(shape)), np.nan)
+        for number, row in rows.items():
+            values[number] = row.get(name, np.nan)
+        data[name] = (dims, values.reshape(shape), {"units": unit})
+    for name in TEXTS:
+        texts = np.full(int(np.prod(shape)), "", object)
+        for number, row in rows.items():
+            texts[number] = row.get(name, "")
+        data[name] = (dims, texts.reshape(shape), {})
+    done = np.zeros(int(np.prod(shape)), np.int8)
+    done[list(rows)] = 1
+    data["done"] = (dims, done.reshape(shape), {"description": "1 where the run was made"})
+    coordinates: dict[str, Any] = {
+        axis.name: ((axis.name,), np.array(axis.values), {"units": axis.unit} if axis.unit else {})
+        for axis in axes
+    }
+    return xr.Dataset(data, coordinates)
+
+
+def as_rows(table: xr.Dataset) -> pd.DataFrame:
+    """One row a run that was made, units in the columns' names."""
+    frame = table.to_dataframe().reset_index()
+    frame = frame[frame["done"] == 1].drop(columns="done")
+    names = {
+        str(name): f"{name} [{v.attrs['units']}]"
+        for name, v in table.variables.items()
+        if v.attrs.get("units", "1") != "1"
+    }
+    return frame.rename(columns=names)
+
+
+def write_table(table: xr.Dataset, folder: Path) -> None:
+    """Write sweep.csv and sweep.nc into a folder."""
+    as_rows(table).to_csv(folder / CSV, index=False)
+    table.to_netcdf(folder / NETCDF, engine="netcdf4")
+
+
+def digest(table: xr.Dataset) -> pd.DataFrame:
+    """Least, median and largest of each number over all runs."""
+    import pandas as pd
+
+    def rows() -> dict[str, dict[str, float]]:
+        found = {}
+        for name, v in table.data_vars.items():
+            if v.dtype.kind == "f" and bool(v.notnull().any()):
+                unit = v.attrs["units"]
+                found[str(name) if unit == "1" else f"{name} [{unit}]"] = {
+                    "least": float(v.min()),
+                    "median": float(v.median()),
+                    "largest": float(v.max()),
+                }
+        return found
+
+    return pd.DataFrame.from_dict(rows(), orient="index").rename_axis("number")
