@@ -44,6 +44,7 @@ class Model(Protocol):
     """One instance, whatever its version of FMI, once it has been initialized.
 
     x, rate, indicators: where `set_states`, `get_states`, `get_rates`, `get_indicators` exchange.
+    next_event: when it asked to enter event mode next [s].
     """
 
     name: str
@@ -52,6 +53,7 @@ class Model(Protocol):
     x: Array
     rate: Array
     indicators: Array
+    next_event: float
     set_states: Call
     get_states: Call
     get_rates: Call
@@ -84,6 +86,7 @@ class Exchanging(FmuSlave):
         self.exchange = exchange
         self.x, self.rate = np.zeros(len(exchange.states)), np.zeros(len(exchange.states))
         self.indicators = np.zeros(exchange.indicators)
+        self.next_event = np.inf
         self.set_states = self._vector("SetContinuousStates", self.x)
         self.get_states = self._vector("GetContinuousStates", self.x)
         self.get_rates = self._vector(self.rates, self.rate)
@@ -116,8 +119,9 @@ class Exchanging(FmuSlave):
 
     def new_discrete_states(self) -> bool:
         what = "cannot update its discrete states"
-        again, ended, *_ = self._call(what, getattr(self._fmu, self.update))
+        again, ended, _, _, timed, time = self._call(what, getattr(self._fmu, self.update))
         self._refuse_end(ended)
+        self.next_event = float(time) if timed else np.inf
         return bool(again)
 
     def enter_continuous_mode(self) -> None:

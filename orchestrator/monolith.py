@@ -140,7 +140,7 @@ class Whole:
         """Names of the instances whose indicators are marked; of all if none is."""
         owners = [model.name for model in self.models for _ in model.indicators]
         marked = dict.fromkeys(owners[i] for i in np.flatnonzero(crossing))
-        return " and ".join(marked or dict.fromkeys(owners))
+        return " and ".join(marked or dict.fromkeys(owners or self._plan.names))
 
     def states(self) -> Array:
         for model in self.models:
@@ -168,6 +168,11 @@ class Whole:
         self._go(time, x)
         _do(self._view)
         return self.row
+
+    @property
+    def next_event(self) -> float:
+        """When the first of them wants an event [s]."""
+        return min(model.next_event for model in self.models)
 
     def completed_step(self, time: float, x: Array) -> bool:
         """Let the FMUs know; whether one of them wants an event."""
@@ -270,14 +275,15 @@ def _integrate(
         rows[0], done = whole.outputs(time, x), 1
         size: float | None = None
         while done <= grid.steps:
-            solver = _solver(whole, time, x, grid.stop, tolerance, scale, size)
+            end = max(time, min(grid.stop, whole.next_event))
+            solver = _solver(whole, time, x, end, tolerance, scale, size)
             before = whole.indicators(time, x)
             event = False
             while not event and done <= grid.steps:
                 _step(solver)
                 between = solver.dense_output()
                 reached, x_reached = solver.t, solver.y
-                size = solver.step_size
+                size = solver.step_size or size  # none where an event is due at once
                 crossing = (before > 0.0) != (whole.indicators(reached, x_reached) > 0.0)
                 if crossing.any():
                     reached = min(
@@ -290,7 +296,8 @@ def _integrate(
                     rows[done] = whole.outputs(now, between(now))
                     done += 1
                 time, x = reached, x_reached
-                event = whole.completed_step(time, x) or bool(crossing.any())
+                due = time >= whole.next_event
+                event = whole.completed_step(time, x) or bool(crossing.any()) or due
                 if event:
                     whole.events += 1
                     recent = recent + 1 if done == at_row else 0
@@ -314,7 +321,7 @@ def _solver(
 ) -> Any:
     from scipy.integrate import DOP853
 
-    first = None if size is None else min(size, stop - time)
+    first = None if size is None or stop <= time else min(size, stop - time)
     return DOP853(whole.rates, time, x, stop, rtol=tolerance, atol=scale, first_step=first)
 
 

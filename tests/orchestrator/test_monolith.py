@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 import tolerances
 from coupled_mocks import oscillator
+from fmpy.fmi2 import FMU2Model
+from fmpy.fmi3 import FMU3Model
 from native_slaves import build_mass
 
 from fmus.catalogue import fmu_path
@@ -65,6 +67,44 @@ def test_an_fmu_that_offers_model_exchange_alone_is_enough(tmp_path, fmi):
     assert np.array_equal(*slopes)
     message = refusal(simulate, System({"truck": Component(lone)}), duration=1.0)
     assert "offers model exchange only; an FMU for co-simulation is needed" in message
+
+
+@pytest.mark.parametrize(
+    ("fmi", "wrapper", "update"),
+    [("2.0", FMU2Model, "newDiscreteStates"), ("3.0", FMU3Model, "updateDiscreteStates")],
+)
+def test_an_event_at_a_known_time_is_met_at_that_time(monkeypatch, fmi, wrapper, update):
+    wanted, met, now = [0.01234, 0.03], [], [0.0]
+    own_update, own_time, own_enter = (
+        getattr(wrapper, name) for name in (update, "setTime", "enterEventMode")
+    )
+
+    def updated(fmu):
+        later = [time for time in wanted if time > now[0]]
+        return (*own_update(fmu)[:4], bool(later), later[0] if later else 0.0)
+
+    def entered(fmu):
+        met.append(now[0])
+        return own_enter(fmu)
+
+    def timed(fmu, time):
+        now[0] = time
+        return own_time(fmu, time)
+
+    for name, function in ((update, updated), ("enterEventMode", entered), ("setTime", timed)):
+        monkeypatch.setattr(wrapper, name, function)
+    values = {"front.force_y": 2e4}
+    run = monolith(System({"car": Component(fmu_path("carbody", fmi), values)}), duration=0.05)
+    assert run.completed, run.message
+    assert met == wanted
+    assert np.isfinite(run.dataset["car.front.y"]).all()
+
+
+def test_events_at_once_without_end_are_given_up(monkeypatch):
+    own = FMU2Model.newDiscreteStates
+    monkeypatch.setattr(FMU2Model, "newDiscreteStates", lambda fmu: (*own(fmu)[:4], True, 0.0))
+    run = monolith(System({"car": Component(fmu_path("carbody"))}), duration=0.05)
+    assert run.message == "stopped at t = 0 s: car indicates events without end"
 
 
 def without_co_simulation(fmu: Path, target: Path) -> Path:
