@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
@@ -109,6 +110,8 @@ def simulate(
     options = Options(order, method, tolerance, iterations)
     options.check(master)
     evidence = Evidence(self_tests(system.components) if self_test else {})
+    if os.name == "posix":
+        isolate = [*dict.fromkeys([*isolate, *evidence.crashed])]
     with ExitStack() as stack:
         loaded = session or stack.enter_context(Session())
         slaves = loaded.slaves(system, plan, stack, logger, isolate, timeout)

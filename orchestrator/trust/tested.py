@@ -78,12 +78,12 @@ def _run(asked: Path, answered: Path, timeout: float) -> str:
             command, env=environment, capture_output=True, timeout=timeout, check=False
         )
     except subprocess.TimeoutExpired:
-        return f"its self-test did not end within {timeout:g} s; isolate it"
+        return f"its self-test did not end within {timeout:g} s"
     from ..isolation.slave import cause
 
     said = done.stderr.decode(errors="replace").strip().splitlines()
     more = f": {said[-1]}" if said else ""
-    return f"its self-test crashed ({cause(done.returncode)}){more}; isolate it"
+    return f"its self-test crashed ({cause(done.returncode)}){more}"
 
 
 def answer(asked: Path, answered: Path) -> None:

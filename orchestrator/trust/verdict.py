@@ -70,6 +70,11 @@ class Evidence:
         """Instances whose saved states do not hold everything."""
         return frozenset(name for name, test in self.tests.items() if test.failed("rollback"))
 
+    @property
+    def crashed(self) -> list[str]:
+        """Instances whose self-test ended with its process; they get one of their own."""
+        return [name for name, test in self.tests.items() if test.failed("process")]
+
     def notes(self, master: str) -> list[str]:
         """What a run says before its first step."""
         found: dict[str, list[str]] = {}

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -12,11 +14,28 @@ from native_slaves import DAMPER, archive, build_damper, description, library
 from test_isolation import KINDS, mishap
 
 from fmus.catalogue import fmu_path
-from orchestrator import Component
+from orchestrator import Component, System, simulate
 from orchestrator.trust import CHECKS, self_tests, tested
 from tracktrain.cli import main
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="the tests' own FMUs need a compiler")
+
+
+HIDDEN = """
+from pythonfmu import Fmi2Causality, Fmi2Slave, Real
+
+class Hidden(Fmi2Slave):
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.y = 0.0
+        self.memory = [0.0]
+        self.register_variable(Real("y", causality=Fmi2Causality.output))
+
+    def do_step(self, time, step):
+        self.memory[0] += step
+        self.y = self.memory[0]
+        return True
+"""
 
 
 @pytest.fixture(autouse=True)
@@ -42,10 +61,30 @@ def test_a_crash_is_a_finding_and_the_other_fmus_are_tested(tmp_path):
         {"odd": Component(mishap(tmp_path), crash), "even": Component(build_damper(tmp_path))}
     )
     assert [f.check for f in found["odd"].errors] == ["process"]
-    assert found["odd"].errors[0].text == (
-        "its self-test crashed (SIGSEGV: segmentation fault); isolate it"
-    )
+    assert found["odd"].errors[0].text == "its self-test crashed (SIGSEGV: segmentation fault)"
     assert "dependencies" in found["even"].passed
+
+
+def test_an_fmu_that_crashed_runs_in_a_process_of_its_own(tmp_path):
+    """Where it may crash again, and the run keeps what it has."""
+    crash = {"at": 0.0005, "kind": float(KINDS.index("crash"))}
+    system = System({"odd": Component(mishap(tmp_path), crash)})
+    run = simulate(system, duration=0.1, step=1e-4, self_test=True)
+    assert "its process crashed in fmi2DoStep" in run.message
+    assert run.time.size == 6
+    assert "self-test of odd: mishap.fmu: its self-test crashed" in "\n".join(run.notes)
+    assert run.verdict.level.value == "bad"
+
+
+def test_a_stock_pythonfmu_that_forgets_its_hidden_state_is_found_out(tmp_path):
+    (tmp_path / "hidden.py").write_text(HIDDEN)
+    command = [sys.executable, "-m", "pythonfmu", "build", "-f", "hidden.py", "--handle-state"]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    found = self_tests({"hidden": Component(tmp_path / "Hidden.fmu")})["hidden"]
+    assert [f.check for f in found.errors] == ["rollback"]
+    said = found.errors[0].text
+    assert said.startswith("a saved state does not hold everything: y is 0.004")
+    assert "one step after it, and 0.007" in said
 
 
 def test_a_result_is_remembered_by_the_hash_of_the_file(tmp_path, cache, monkeypatch):
