@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,13 +21,14 @@ from tracktrain.hopper import BLOCK_OF, hopper_car
 INSTANCES = tuple(BLOCK_OF)
 
 
-def run_of(*in_fmi3: str, master: str = "one-pass") -> Run:
+def run_of(*in_fmi3: str, master: str = "one-pass", **options: Any) -> Run:
     car = hopper_car(track="fra4")
     components = {
         name: replace(component, fmu=fmu_path(BLOCK_OF[name], "3.0" if name in in_fmi3 else "2.0"))
         for name, component in car.components.items()
     }
-    run = simulate(replace(car, components=components), duration=1.0, step=1e-3, master=master)
+    car = replace(car, components=components)
+    run = simulate(car, **{"duration": 1.0, "step": 1e-3, **options}, master=master)
     assert run.completed, run.message
     return run
 
@@ -121,3 +124,12 @@ def test_steps_are_repeated_through_adaptors_too() -> None:
     expected = (3.0 * y[2:] - 4.0 * y[1:-1] + y[:-2]) / 2e-3
     found = run.dataset["carbody.front.differentiated"].values[2:]
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-9 * np.abs(expected).max())
+
+
+@pytest.mark.skipif(os.name != "posix", reason="isolation needs Linux or macOS")
+@pytest.mark.parametrize("master", ["one-pass", "jacobi"])
+def test_fmi3_fmus_in_processes_of_their_own_move_to_the_same_bits(master: str) -> None:
+    alone = ("truck_front", "wheelset_11")
+    here = run_of(*INSTANCES, master=master, duration=0.1)
+    apart = run_of(*INSTANCES, master=master, duration=0.1, isolate=alone)
+    assert here.dataset.equals(apart.dataset)
