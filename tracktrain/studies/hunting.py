@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,17 +11,23 @@ import numpy as np
 
 from ..hopper import CARS
 from ..options import Name, Quantity
-from ..scales import FOOT, MILE_PER_HOUR
+from ..scales import FOOT
 from ..terminal import Progress
 from .command import study_command
-from .hunting_cycle import AXLE, RECORD, WHEELSETS, Cycle, limit_cycle
+from .hunting_cycle import AXLE, RECORD, Cycle, limit_cycle
 from .hunting_pictures import coordinates_figure, elements_figure, staircase_figure
 from .hunting_runs import LARGE, Plateau, bisected, driven, on_perfect_track
+from .hunting_tables import (
+    critical_table,
+    cycles_table,
+    elements_table,
+    energy_table,
+    staircase_table,
+)
 from .outcome import Outcome
 from .ringdown import Oscillation, oscillation
 
 if TYPE_CHECKING:
-    import pandas as pd
     import xarray as xr
 
     from orchestrator import Session
@@ -46,9 +52,6 @@ LONGEST = 150.0
 
 RESOLUTION = 0.1 * FOOT
 """Width of the bracket around the critical speed [m/s]."""
-
-WATCHED = (25.0, 50.0, 100.0, 150.0)
-"""Watching times whose influence on the critical speed is told [s]."""
 
 EVERY = 2
 """Macro steps between two rows of a transient that are kept."""
@@ -103,9 +106,9 @@ def hunting(
             system = on_perfect_track(car, high, initial_yaw)
             tried = bisected(system, low, high, longest, RESOLUTION, session)
     tables = {
-        "limit_cycles": _cycles_table(transients),
-        "elements": _elements_table(transients),
-        "energy": _energy_table(transients),
+        "limit_cycles": cycles_table(transients),
+        "elements": elements_table(transients),
+        "energy": energy_table(transients),
     }
     pictures = {
         f"figures_7_1_to_7_12_{t.speed / FOOT:.0f}_fps": coordinates_figure(t.dataset)
@@ -115,8 +118,8 @@ def hunting(
     critical = _linear_critical_speeds(car, staircase) if staircase else []
     if staircase:
         tables |= {
-            "staircase": _staircase_table(plateaus),
-            "critical_speed": _critical_table(tried, critical, longest),
+            "staircase": staircase_table(plateaus),
+            "critical_speed": critical_table(tried, critical, longest),
         }
         pictures["limit_cycle_against_speed"] = staircase_figure(plateaus, tried, critical)
     return Outcome(
@@ -234,121 +237,6 @@ def _linear_critical_speeds(car: str, between: tuple[float, float]) -> list[floa
     from .stability import critical_speeds
 
     return [c[0] for c in critical_speeds(LinearCar(car), np.arange(*between, 4 * FOOT))]
-
-
-def _cycles_table(transients: Sequence[Transient]) -> pd.DataFrame:
-    import pandas as pd
-
-    def row(t: Transient) -> dict[str, float]:
-        cycle = t.cycle
-        nothing = float("nan")
-        shares = [cycle.contact[w] for w in WHEELSETS] if cycle else [nothing]
-        return {
-            "speed [ft/s]": t.speed / FOOT,
-            "growth [1/s]": t.growth.growth,
-            "linear [1/s]": t.exact,
-            "amplitude [mm]": 1e3 * cycle.amplitude if cycle else nothing,
-            "frequency [Hz]": cycle.frequency if cycle else nothing,
-            "wavelength [m]": t.speed / cycle.frequency if cycle else nothing,
-            "flange, leading axle [%]": 100 * shares[0],
-            "all axles [%]": 100 * float(np.mean(shares)),
-        }
-
-    return pd.DataFrame([row(t) for t in transients]).set_index("speed [ft/s]")
-
-
-def _elements_table(transients: Sequence[Transient]) -> pd.DataFrame:
-    """How near the front truck's friction is to slipping, and what the elements dissipate."""
-    import pandas as pd
-
-    rows = [
-        {
-            "speed [ft/s]": t.speed / FOOT,
-            "element": element.replace("_", " "),
-            "friction/limit": t.cycle.used["truck_front", element],
-            "slips, front [%]": 100 * t.cycle.slipping["truck_front", element],
-            "rear [%]": 100 * t.cycle.slipping["truck_rear", element],
-            "energy [J]": energy,
-        }
-        for t in transients
-        if t.cycle
-        for element, energy in t.cycle.friction.items()
-    ]
-    names = ["speed [ft/s]", "element"]
-    return pd.DataFrame(rows).set_index(names) if rows else pd.DataFrame(columns=names)
-
-
-def _energy_table(transients: Sequence[Transient]) -> pd.DataFrame:
-    import pandas as pd
-
-    rows = [
-        {
-            "speed [ft/s]": t.speed / FOOT,
-            "from the rails [J/cycle]": t.cycle.rails,
-            "friction [J/cycle]": sum(t.cycle.friction.values()),
-            "carbody damping [J/cycle]": t.cycle.carbody,
-            "centre plates [J/cycle]": t.cycle.centre_plates,
-            "unexplained [J/cycle]": t.cycle.rails - t.cycle.dissipated,
-        }
-        for t in transients
-        if t.cycle
-    ]
-    return pd.DataFrame(rows).set_index("speed [ft/s]") if rows else pd.DataFrame()
-
-
-def _staircase_table(plateaus: Sequence[Plateau]) -> pd.DataFrame:
-    """The stairs in their order; the amplitude is that of the last window."""
-    import pandas as pd
-
-    from .hunting_runs import WINDOW
-
-    top = int(np.argmax([p.speed for p in plateaus]))
-    rows = [
-        {
-            "way": "up" if n <= top else "down",
-            "speed [ft/s]": p.speed / FOOT,
-            "amplitude [mm]": 1e3 * p.amplitude,
-            "frequency [Hz]": p.frequency if p.amplitude > LARGE else float("nan"),
-            "held [s]": WINDOW * len(p.amplitudes),
-            "settled": "yes" if p.settled else "no",
-        }
-        for n, p in enumerate(plateaus)
-    ]
-    return pd.DataFrame(rows).set_index(["way", "speed [ft/s]"])
-
-
-def _critical_table(
-    tried: Sequence[Plateau], critical: Sequence[float], longest: float
-) -> pd.DataFrame:
-    """The bracket around the critical speed by watching time, and the linear critical speed.
-
-    A watched motion of more than `LARGE` counts as hunting, whether it falls or not; in the row
-    `settled` only one that stays what it is.
-    """
-    import pandas as pd
-
-    def row(name: str, hunting: Sequence[float], others: Sequence[float]) -> dict[str, object]:
-        lowest = min(hunting, default=float("nan"))
-        highest = max((v for v in others if not v > lowest), default=float("nan"))
-        return {
-            "judged": name,
-            "hunts down to [ft/s]": lowest / FOOT,
-            "no more at [ft/s]": highest / FOOT,
-            "middle [m/s]": (lowest + highest) / 2,
-            "middle [mph]": (lowest + highest) / 2 / MILE_PER_HOUR,
-        }
-
-    def rows() -> Iterator[dict[str, object]]:
-        for time in [*(t for t in WATCHED if t < longest), longest]:
-            still = [p.speed for p in tried if p.amplitude_after(time) > LARGE]
-            gone = [p.speed for p in tried if p.amplitude_after(time) <= LARGE]
-            yield row(f"above 2 mm after {time:g} s", still, gone)
-        kept = [p.speed for p in tried if p.hunts]
-        yield row("settled", kept, [p.speed for p in tried if not p.hunts])
-        for speed in critical:
-            yield row("linear, friction stuck", [speed], [speed])
-
-    return pd.DataFrame(rows()).set_index("judged")
 
 
 def _dataset(transients: Sequence[Transient], plateaus: Sequence[Plateau]) -> xr.Dataset:
