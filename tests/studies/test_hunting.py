@@ -20,13 +20,13 @@ YAW = np.deg2rad(0.005)
 
 @pytest.fixture(scope="module")
 def usual():
-    return hunting(staircase=None)
+    return hunting(transients_only=True)
 
 
 @pytest.mark.parametrize(("speed", "yaw", "growth"), [(60, 5e-3, 0.0664), (100, 1e-7, 1.0440)])
 def test_small_motion_grows_as_the_linear_car(speed, yaw, growth):
     outcome = hunting(
-        speeds=[speed * FOOT], initial_yaw=np.deg2rad(yaw), duration=60.0, staircase=None
+        speeds=[speed * FOOT], initial_yaw=np.deg2rad(yaw), duration=60.0, transients_only=True
     )
     row = outcome.tables["limit_cycles"].iloc[0]
     assert row["growth [1/s]"] == pytest.approx(growth, rel=tolerances.HUNTING_GROWTH)
@@ -39,9 +39,9 @@ def test_limit_cycles_have_their_known_amplitudes(usual):
 
 
 def test_limit_cycle_forgets_the_size_of_the_start(usual):
-    other = hunting(speeds=[100 * FOOT], initial_yaw=6 * YAW, duration=60.0, staircase=None).tables[
-        "limit_cycles"
-    ]
+    other = hunting(
+        speeds=[100 * FOOT], initial_yaw=6 * YAW, duration=60.0, transients_only=True
+    ).tables["limit_cycles"]
     for column in ("amplitude [mm]", "frequency [Hz]"):
         known = usual.tables["limit_cycles"][column].iloc[-1]
         assert other[column].iloc[0] == pytest.approx(known, rel=tolerances.LIMIT_CYCLE)
@@ -71,7 +71,7 @@ def test_every_coordinate_is_kept_and_drawn(usual, tmp_path):
 
 
 def test_the_reports_linear_car_dies_out_at_60_and_hunts_above():
-    table = hunting("report-linear", duration=60.0, staircase=None).tables["limit_cycles"]
+    table = hunting("report-linear", duration=60.0, transients_only=True).tables["limit_cycles"]
     growth = table["growth [1/s]"].to_numpy()
     assert growth[0] < 0 < min(growth[1:])
     assert np.isnan(table["amplitude [mm]"].iloc[0])
@@ -98,3 +98,11 @@ def test_the_command_draws_one_speed(tmp_path):
     result = CliRunner().invoke(main, [*arguments, "--out", str(tmp_path)])
     assert result.exit_code == 0, result.output
     assert (tmp_path / "figures_7_1_to_7_12_100_fps.png").exists()
+
+
+def test_the_command_takes_the_ends_of_the_staircase():
+    from tracktrain.studies.hunting import command
+
+    context = command.make_context("hunting", ["--staircase", "60 ft/s", "50 m/s"])
+    assert context.params["staircase"] == (60 * FOOT, 50.0)
+    assert not context.params["transients_only"]

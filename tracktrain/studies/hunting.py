@@ -73,8 +73,9 @@ def hunting(
     speeds: Sequence[float] = SPEEDS,
     duration: float = 80.0,
     initial_yaw: float = INITIAL_YAW,
-    staircase: tuple[float, float] | None = BETWEEN,
+    staircase: tuple[float, float] = BETWEEN,
     longest: float = LONGEST,
+    transients_only: bool = False,
     progress: Progress | None = None,
 ) -> Outcome:
     """Hunting from a small yaw of the front truck, and its limit cycle against speed.
@@ -82,12 +83,13 @@ def hunting(
     Report Figures 7-1 to 7-12 at each of `speeds` [m/s], runs of `duration` [s]. The staircase of
     speeds [m/s] is climbed and descended, each held until the motion has settled, at most `longest`
     [s]; the state is carried along. The nonlinear critical speed is the lowest that keeps the limit
-    cycle of the staircase's upper end. staircase: None leaves both out.
+    cycle of the staircase's upper end. transients_only: leave both out.
     """
     from orchestrator import Session
 
     values = _values(car)
-    share = 0.3 if staircase else 1.0
+    climbed = None if transients_only else staircase
+    share = 0.3 if climbed else 1.0
     transients: list[Transient] = []
     plateaus: list[Plateau] = []
     tried: list[Plateau] = []
@@ -96,8 +98,8 @@ def hunting(
             transients.append(_transient(car, speed, duration, initial_yaw, values, session))
             if progress:
                 progress(share * number / len(speeds))
-        if staircase:
-            low, high = staircase
+        if climbed:
+            low, high = climbed
             steps = np.linspace(low, high, round((high - low) / STAIR) + 1)
             system = on_perfect_track(car, low, initial_yaw)
             plateaus = driven(system, [*steps, *steps[-2::-1]], longest, session)
@@ -115,8 +117,8 @@ def hunting(
         for t in transients
     }
     pictures["elements"] = elements_figure(transients)
-    critical = _linear_critical_speeds(car, staircase) if staircase else []
-    if staircase:
+    critical = _linear_critical_speeds(car, climbed) if climbed else []
+    if climbed:
         tables |= {
             "staircase": staircase_table(plateaus),
             "critical_speed": critical_table(tried, critical, longest),
@@ -127,7 +129,7 @@ def hunting(
         dataset=_dataset(transients, plateaus).assign_attrs(car=car, initial_yaw=initial_yaw),
         tables=tables,
         pictures=pictures,
-        notes=_notes(transients, plateaus, tried, staircase),
+        notes=_notes(transients, plateaus, tried, climbed),
     )
 
 
@@ -174,8 +176,7 @@ command = study_command(
     ),
     click.option(
         "--no-staircase",
-        "staircase",
-        flag_value=None,
+        "transients_only",
         is_flag=True,
         help="Transients only.",
     ),
