@@ -25,7 +25,12 @@ from ring import HERE, STEP, build, ring
 from orchestrator import simulate
 
 SIZES = (8, 80, 800, 8000)
-MASTERS = ("jacobi", "one-pass")
+MASTERS = {
+    "jacobi": {"master": "jacobi"},
+    "jacobi, two threads": {"master": "jacobi", "threads": 2},
+    "one-pass": {"master": "one-pass"},
+}
+FIRST = "jacobi"
 INSTANCE_STEPS = 800_000
 """Steps of an instance in a run, whatever the size of the ring."""
 
@@ -34,7 +39,7 @@ def one(folder: Path, master: str, blocks: int) -> None:
     """One run in this process; prints seconds per step and instance, and of loading."""
     steps = INSTANCE_STEPS // blocks
     system = ring(folder / "block.fmu", blocks)
-    run = simulate(system, duration=steps * STEP, step=STEP, master=master, record=["*.x"])
+    run = simulate(system, duration=steps * STEP, step=STEP, record=["*.x"], **MASTERS[master])
     if not run.completed:
         raise SystemExit(run.message)
     spent = run.statistics.wall_stepping / (steps * blocks)
@@ -60,7 +65,7 @@ def draw(found: dict[tuple[str, int], tuple[float, float]], path: Path) -> None:
     for master in MASTERS:
         values = [1e6 * blocks * found[master, blocks][0] for blocks in SIZES]
         axes.loglog(SIZES, values, "o-", label=master)
-    first = 1e6 * SIZES[0] * found[MASTERS[0], SIZES[0]][0]
+    first = 1e6 * SIZES[0] * found[FIRST, SIZES[0]][0]
     linear = [first * blocks / SIZES[0] for blocks in SIZES]
     axes.loglog(SIZES, linear, "k:", label="in proportion")
     axes.set(xlabel="FMUs", ylabel="wall time of a macro step [us]")

@@ -128,6 +128,7 @@ class Description:
     arrays: shapes of those that were taken apart into elements. aliases: other names of variables.
     has_events: it has the event mode of FMI 3.0. returns_early: it may end a step early.
     input_order: the highest derivative of an input that is taken; of a file it is 1.
+    needs_tool: it runs in the tool that it is from.
     """
 
     label: str
@@ -138,6 +139,7 @@ class Description:
     variable_step: bool = False
     gives_derivatives: bool = False
     single_instance: bool = False
+    needs_tool: bool = False
     serializes_state: bool = False
     tangents: tuple[Tangent, ...] = ()
     units: Definitions = field(default_factory=dict)
@@ -288,6 +290,7 @@ def survey(contents: Contents, interface: str = CO_SIMULATION) -> Description:
             said, "providesDirectionalDerivative", "providesDirectionalDerivatives"
         ),
         single_instance=_is_true(said, "canBeInstantiatedOnlyOncePerProcess"),
+        needs_tool=_is_true(said, "needsExecutionTool"),
         serializes_state=_is_true(said, "canSerializeFMUstate", "canSerializeFMUState"),
         tangents=_tangents(contents.path, contents.root, variables),
         units=definitions(model),

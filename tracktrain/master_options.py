@@ -10,7 +10,7 @@ from .options import Name
 from .run_options import Command
 
 MASTERS = ("one-pass", "jacobi", "gauss-seidel", "iterated")
-COUPLING = ("master", "order", "method", "tolerance", "iterations")
+COUPLING = ("master", "order", "method", "tolerance", "iterations", "threads")
 """Arguments of `orchestrator.simulate` that the options below are."""
 
 METHODS = ("broyden", "iqn-ils", "aitken", "fixed-point")
@@ -50,6 +50,13 @@ _OPTIONS = (
         default=100,
         show_default=True,
         help="How often iterated repeats a macro step at most.",
+    ),
+    click.option(
+        "--threads",
+        type=click.IntRange(1),
+        default=1,
+        show_default=True,
+        help="Threads that step the FMUs of jacobi at the same time; pays for many or slow FMUs.",
     ),
 )
 

@@ -23,6 +23,7 @@ from ..coupling import Coupling, Way
 from ..plan import Plan
 from ..slave import Slave
 from . import ffi
+from .crew import FINISHED, STEPPED, Crew, alone, meet
 from .lead import (
     KNOWN_END,
     Ends,
@@ -44,7 +45,6 @@ from .lead import (
 from .tables import (
     DERIVE,
     GET,
-    NOT_FINITE,
     SET,
     SET_RATES,
     STEP,
@@ -54,13 +54,12 @@ from .tables import (
     Ints,
     Prepared,
     Refresh,
-    all_finite,
     calls,
     feed,
     fill_inputs,
+    finish_row,
     macro_loop,
     read_early,
-    refresh_outputs,
     refresh_tables,
     send_inputs,
     starts,
@@ -100,12 +99,12 @@ def prepare(plan: Plan, slaves: Sequence[Slave], coupling: Coupling) -> Prepared
         table,
         feed(plan, [target.links for target in targets], references),
         *refresh_tables(plan, table),
-        np.array(coupling.order, np.int64),
         coupling.degree,
         tangent_table(plan, targets, first_slot),
         *lead_tables(plan, groups, first_slot),
         *lead_tables(plan, seed_groups)[:2],
         ends,
+        alone(coupling.order),
     )
     extrapolates = Way.EXTRAPOLATED in coupling.ways.values()
     starts_small = extrapolates and max(plan.every) == 1
@@ -150,7 +149,6 @@ def advance(
     inputs: Feed,
     refreshed: Feed,
     refresh: Refresh,
-    order: Ints,
     degree: int,
     tangents: Tangents,
     leads: Leads,
@@ -159,6 +157,7 @@ def advance(
     seeds: Leads,
     seeds_sent: Sent,
     ends: Ends,
+    crew: Crew,
 ) -> None:
     """Macro steps `first` to `last`; row k of the record, at `address`, is time start + k*step [s].
 
@@ -168,7 +167,7 @@ def advance(
     width = 8 * rows.shape[1]
     for k in range(first, last):
         row = address + (k + 1) * width
-        for slave in order:
+        for slave in crew.slave:
             window = calls.every[slave]
             if (k + 1) % window != 0:
                 carry_on(calls, slave, rows, k + 1, degree, step)
@@ -178,31 +177,31 @@ def advance(
                 calls, slave, tangents, seeds, seeds_sent, inputs, window, degree, rows, k, step,
                 report,
             ):  # fmt: skip
-                return
+                break
             fill_inputs(inputs, slave, rows, begin)
             find_leads(leads, slave, window, degree, rows, k, step, tangents.result)
             lead_constants(leads, slave, inputs, length)
             if stopped(report, slave, SET, send_inputs(calls, slave, inputs, slave)):
-                return
+                break
             fill_sent(sent, slave, leads, length)
             if stopped(report, slave, SET_RATES, send_rates(calls, slave, sent)):
-                return
+                break
             time = start + begin * step
             status = ffi.do_step(calls.do_step[slave], calls.instance[slave], time, length)
             if stopped(report, slave, STEP, status):
-                return
+                break
             status = set_finals(calls, slave, finals, leads, inputs, length)
             if stopped(report, slave, SET, status):
-                return
+                break
             if stopped(report, slave, GET, read_early(calls, slave, row)):
-                return
+                break
             keep_ends(slave, ends, inputs, leads, rows, k, length, end_values)
-        if not refresh_outputs(calls, refreshed, refresh, rows, k + 1, row, report):
+        if not meet(crew, STEPPED, report):
             return
-        if not all_finite(rows, k + 1):
-            report[1] = NOT_FINITE
+        if crew.thread == 0:
+            finish_row(calls, refreshed, refresh, rows, k + 1, row, report)
+        if not meet(crew, FINISHED, report):
             return
-        report[0] = k + 2
 
 
 @register_jitable

@@ -27,7 +27,6 @@ from .quasi_newton import Solved, Unknowns, begin_step, improve, settled, unknow
 from .tables import (
     GET,
     NOT_CONVERGED,
-    NOT_FINITE,
     RESTORE,
     SAVE,
     SET,
@@ -41,14 +40,13 @@ from .tables import (
     References,
     Refresh,
     addresses,
-    all_finite,
     calls,
     feed,
     fill_inputs,
+    finish_row,
     ints,
     macro_loop,
     read_early,
-    refresh_outputs,
     refresh_tables,
     send_inputs,
     starts,
@@ -146,7 +144,10 @@ def prepare(plan: Plan, slaves: Sequence[Slave], options: Options) -> Prepared:
         options.tolerance,
         options.iterations,
     )
-    labels = [[f"{plan.name(k.target, k.input)}" for k in ks] for ks in links]
+    labels = [
+        [f"{plan.name(k.target, k.input)} (from {plan.name(k.source, k.output)})" for k in ks]
+        for ks in links
+    ]
     names = [[plan.names[i] for i in part] for part in solved]
     return Prepared(
         advance,
@@ -329,12 +330,8 @@ def advance(
                 return
         for n in range(parts.kept.size):
             end_values[k, n] = ends.value[parts.kept[n]]
-        if not refresh_outputs(calls, refreshed, refresh, rows, k + 1, row, report):
+        if not finish_row(calls, refreshed, refresh, rows, k + 1, row, report):
             return
-        if not all_finite(rows, k + 1):
-            report[1] = NOT_FINITE
-            return
-        report[0] = k + 2
 
 
 @register_jitable

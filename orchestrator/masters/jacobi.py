@@ -12,10 +12,10 @@ from ..coupling import Coupling, Way, continuous, way_notes
 from ..plan import Plan
 from ..slave import Slave
 from . import explicit, ffi
+from .crew import FINISHED, STEPPED, Crew, alone, man, meet
 from .options import Options
 from .tables import (
     GET,
-    NOT_FINITE,
     SET,
     STEP,
     Calls,
@@ -24,12 +24,11 @@ from .tables import (
     Ints,
     Prepared,
     Refresh,
-    all_finite,
     calls,
     feed,
+    finish_row,
     macro_loop,
     read_early,
-    refresh_outputs,
     refresh_tables,
     set_inputs,
     stopped,
@@ -43,12 +42,13 @@ def prepare(plan: Plan, slaves: Sequence[Slave], options: Options) -> Prepared:
         ways = {k: Way.EXTRAPOLATED if continuous(k) else Way.HELD for k in plan.links}
         coupling = Coupling(instances, ways, options.order)
         coupling.notes += way_notes(plan, coupling)
-        return explicit.prepare(plan, slaves, coupling)
+        prepared = explicit.prepare(plan, slaves, coupling)
+        return man(prepared, plan, slaves, options.threads)
     table = calls(plan, slaves, explicit.early_reads(plan, set()))
     groups = [plan.links_of(i) for i in range(len(slaves))]
     notes = [f"held over each step: all {len(plan.links)} connected inputs"]
-    tables = (table, feed(plan, groups), *refresh_tables(plan, table))
-    return Prepared(advance, tables, notes=notes)
+    tables = (table, feed(plan, groups), *refresh_tables(plan, table), alone(range(len(slaves))))
+    return man(Prepared(advance, tables, notes=notes), plan, slaves, options.threads)
 
 
 @macro_loop
@@ -65,6 +65,7 @@ def advance(
     inputs: Feed,
     refreshed: Feed,
     refresh: Refresh,
+    crew: Crew,
 ) -> None:
     """Macro steps `first` to `last`; row k of the record, at `address`, is time start + k*step [s].
 
@@ -74,17 +75,17 @@ def advance(
     for k in range(first, last):
         row = address + (k + 1) * width
         time = start + k * step
-        for slave in range(calls.instance.size):
+        for slave in crew.slave:
             if stopped(report, slave, SET, set_inputs(calls, slave, inputs, slave, rows, k)):
-                return
+                break
             status = ffi.do_step(calls.do_step[slave], calls.instance[slave], time, step)
             if stopped(report, slave, STEP, status):
-                return
+                break
             if stopped(report, slave, GET, read_early(calls, slave, row)):
-                return
-        if not refresh_outputs(calls, refreshed, refresh, rows, k + 1, row, report):
+                break
+        if not meet(crew, STEPPED, report):
             return
-        if not all_finite(rows, k + 1):
-            report[1] = NOT_FINITE
+        if crew.thread == 0:
+            finish_row(calls, refreshed, refresh, rows, k + 1, row, report)
+        if not meet(crew, FINISHED, report):
             return
-        report[0] = k + 2

@@ -10,7 +10,7 @@ from .quasi_newton import METHODS
 
 OPTIONS = {
     "one-pass": (),
-    "jacobi": ("order",),
+    "jacobi": ("order", "threads"),
     "gauss-seidel": ("order",),
     "iterated": ("method", "tolerance", "iterations"),
 }
@@ -22,13 +22,15 @@ class Options:
     """Options of the masters; raises CouplingError for what cannot be.
 
     order: of the polynomials that extrapolate inputs, 0, 1 or 2. method, tolerance, iterations: how
-    a macro step is repeated, to which relative residual, and how often at most.
+    a macro step is repeated, to which relative residual, and how often at most. threads: that step
+    FMUs at the same time.
     """
 
     order: int = 0
     method: str = METHODS[0]
     tolerance: float = 1e-8
     iterations: int = 100
+    threads: int = 1
 
     def __post_init__(self) -> None:
         if self.order not in (0, 1, 2):
@@ -45,6 +47,8 @@ class Options:
             )
         if self.iterations < 1:
             raise CouplingError(f"{self.iterations} iterations are too few; give at least 1")
+        if self.threads < 1:
+            raise CouplingError(f"{self.threads} threads can step nothing; give at least 1")
 
     def check(self, master: str) -> None:
         """Raise CouplingError for an option that the master does not have, and is not as usual."""

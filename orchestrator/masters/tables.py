@@ -324,6 +324,20 @@ def refresh_outputs(
     return True
 
 
+@register_jitable(inline="always")
+def finish_row(
+    calls: Calls, feed: Feed, refresh: Refresh, rows: Floats, k: int, row: int, report: Ints
+) -> bool:
+    """Bring row k (at address `row`) up to date and look at it; False if stopped."""
+    if not refresh_outputs(calls, feed, refresh, rows, k, row, report):
+        return False
+    if not all_finite(rows, k):
+        report[1] = NOT_FINITE
+        return False
+    report[0] = k + 1
+    return True
+
+
 @register_jitable
 def guess_loop(refresh: Refresh, loop: int, rows: Floats, k: int) -> None:
     """Begin to go around a loop, with the guesses that stand in row k."""
