@@ -108,6 +108,8 @@ def main() -> None:
         f"|{'---|' * len(header)}",
         *(f"| {' | '.join(row)} |" for row in rows),
         "",
+        "Two threads need a core each: where others share the cores, they wait for each other.",
+        "",
         "![Wall time of a macro step over the number of FMUs](scaling.png)",
     ]
     (results / "scaling.md").write_text("\n".join(lines) + "\n")
