@@ -13,6 +13,7 @@ from .options import Assignment, Name, Quantity
 
 Option = Callable[[Any], Any]
 SPEED_UNITS = ("ft/s", "mph", "m/s", "km/h")
+REPORT_SPEEDS = ("60 ft/s", "80 ft/s", "100 ft/s")
 FRICTION = ("stuck", "free", "damper", "report")
 """Names of `linear.FRICTION`, which the command line does not load before it must."""
 
@@ -57,6 +58,30 @@ def speeds_option(name: str, argument: str, default: tuple[str, ...], meaning: s
         default=default,
         metavar="SPEED",
         help=f"{meaning} Repeatable.{shown}",
+    )
+
+
+def duration_option(default: str, meaning: str) -> Option:
+    """--duration [s]."""
+    return click.option(
+        "--duration",
+        type=Quantity("duration", "s", ("s", "min", "ms"), default),
+        default=default,
+        show_default=True,
+        metavar="TIME",
+        help=meaning,
+    )
+
+
+def set_option() -> Option:
+    """--set, parameters of instances."""
+    return click.option(
+        "--set",
+        "settings",
+        type=Assignment(tuple(BLOCK_OF), 'instance.parameter="value unit"'),
+        multiple=True,
+        metavar='INSTANCE.PARAMETER="VALUE UNIT"',
+        help="Change a parameter. Repeatable.",
     )
 
 

@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 from click.core import ParameterSource
 
-from .car_options import car_option, seed_option, speed_option, swap_option, track_option
+from .car_options import (
+    car_option,
+    seed_option,
+    set_option,
+    speed_option,
+    swap_option,
+    track_option,
+)
 from .errors import TracktrainError, choices
 from .hopper import BLOCK_OF
 from .options import Assignment, Quantity
@@ -44,14 +51,7 @@ _OPTIONS = (
         metavar="TIME",
         help="Macro step, at which the FMUs exchange values.  [default: 1ms]",
     ),
-    click.option(
-        "--set",
-        "settings",
-        type=Assignment(tuple(BLOCK_OF), 'instance.parameter="value unit"'),
-        multiple=True,
-        metavar='INSTANCE.PARAMETER="VALUE UNIT"',
-        help="Change a parameter. Repeatable.",
-    ),
+    set_option(),
     click.option(
         "--initial",
         "initials",

@@ -80,7 +80,7 @@ def study_command(
             ),
             click.option("--quiet", is_flag=True, help="Print errors only."),
         ]
-        for option in reversed(decorators):
+        for option in decorators:
             command = option(command)
         return command
 

@@ -9,8 +9,14 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from ..hopper import CARS
-from ..options import Name, Quantity
+from ..car_options import (
+    REPORT_SPEEDS,
+    SPEED_UNITS,
+    car_option,
+    duration_option,
+    speeds_option,
+)
+from ..options import Quantity
 from ..scales import FOOT
 from ..terminal import Progress
 from .command import study_command
@@ -135,27 +141,9 @@ def hunting(
 
 command = study_command(
     "hunting",
-    click.option(
-        "--car", type=Name("car", CARS), default="loaded", show_default=True, help="Parameter set."
-    ),
-    click.option(
-        "--speed",
-        "speeds",
-        type=Quantity("speed", "m/s", ("ft/s", "mph", "m/s", "km/h"), "60 ft/s"),
-        multiple=True,
-        default=("60 ft/s", "80 ft/s", "100 ft/s"),
-        show_default=True,
-        metavar="SPEED",
-        help="Speed of a transient. Repeatable.",
-    ),
-    click.option(
-        "--duration",
-        type=Quantity("duration", "s", ("s", "min"), "80s"),
-        default="80s",
-        show_default=True,
-        metavar="TIME",
-        help="Simulated time of each transient.",
-    ),
+    car_option(),
+    speeds_option("--speed", "speeds", REPORT_SPEEDS, "Speed of a transient."),
+    duration_option("80s", "Simulated time of each transient."),
     click.option(
         "--yaw",
         "initial_yaw",
@@ -167,7 +155,7 @@ command = study_command(
     ),
     click.option(
         "--staircase",
-        type=Quantity("speed", "m/s", ("ft/s", "mph", "m/s", "km/h"), "60 ft/s"),
+        type=Quantity("speed", "m/s", SPEED_UNITS, "60 ft/s"),
         nargs=2,
         default=("40 ft/s", "120 ft/s"),
         show_default=True,

@@ -9,9 +9,16 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
+from ..car_options import (
+    REPORT_SPEEDS,
+    car_option,
+    duration_option,
+    set_option,
+    speeds_option,
+    track_option,
+)
 from ..chosen import Assigned
-from ..hopper import BLOCK_OF, CARS, TRACKS, hopper_car
-from ..options import Assignment, Name, Quantity
+from ..hopper import hopper_car
 from ..scales import ACCELERATION, ANGLE, DISPLACEMENT, FOOT, FORCE, MILE_PER_HOUR, Scale
 from ..terminal import Progress
 from .command import study_command
@@ -119,34 +126,10 @@ def response(
 
 command = study_command(
     "response",
-    click.option(
-        "--car", type=Name("car", CARS), default="loaded", show_default=True, help="Parameter set."
-    ),
-    click.option(
-        "--track",
-        type=Name("track", TRACKS),
-        default="report",
-        show_default=True,
-        help="Irregularities of the track.",
-    ),
-    click.option(
-        "--speed",
-        "speeds",
-        type=Quantity("speed", "m/s", ("ft/s", "mph", "m/s", "km/h"), "60 ft/s"),
-        multiple=True,
-        default=("60 ft/s", "80 ft/s", "100 ft/s"),
-        show_default=True,
-        metavar="SPEED",
-        help="Speed of the train. Repeatable.",
-    ),
-    click.option(
-        "--duration",
-        type=Quantity("duration", "s", ("s", "min"), "8s"),
-        default="8s",
-        show_default=True,
-        metavar="TIME",
-        help="Simulated time of each run.",
-    ),
+    car_option(),
+    track_option(),
+    speeds_option("--speed", "speeds", REPORT_SPEEDS, "Speed of the train."),
+    duration_option("8s", "Simulated time of each run."),
     click.option(
         "--seeds",
         type=click.IntRange(min=1),
@@ -154,14 +137,7 @@ command = study_command(
         show_default=True,
         help="Realisations of the track for the envelopes; the first is drawn.",
     ),
-    click.option(
-        "--set",
-        "settings",
-        type=Assignment(tuple(BLOCK_OF), 'instance.parameter="value unit"'),
-        multiple=True,
-        metavar='INSTANCE.PARAMETER="VALUE UNIT"',
-        help="Change a parameter. Repeatable.",
-    ),
+    set_option(),
     epilog="""\b
 Examples:
   tracktrain study response
