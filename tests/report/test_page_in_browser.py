@@ -151,7 +151,9 @@ def test_keys_alone_reach_and_work_the_car(show: Callable[..., Driver]) -> None:
 @pytest.mark.parametrize("width", [360, 768])
 def test_page_does_not_scroll_sideways(show: Callable[..., Driver], width: int) -> None:
     driver = show(width, fresh=width < 500)
-    assert driver.execute_script("return document.documentElement.scrollWidth") <= width
+    broad = "return document.documentElement.scrollWidth"
+    # Plots follow a new width when the browser has drawn it.
+    WebDriverWait(driver, 20).until(lambda d: d.execute_script(broad) <= width)
     assert driver.get_log("browser") == []
 
 
