@@ -19,9 +19,11 @@ from orchestrator import simulate
 from orchestrator.metrics import dominant_frequency, peak, rms
 from tracktrain.cli import main
 from tracktrain.hopper import hopper_car
+from tracktrain.master_options import COUPLING
 from tracktrain.scales import FOOT
 from tracktrain.sweep import sweep
 from tracktrain.sweep.axes import SweepError, make_axis, read_axis
+from tracktrain.sweep.grid import USUAL
 
 FORCE = "wheelset_11.force_y"
 SHORT = {"outputs": [FORCE], "duration": 0.2, "workers": 1}
@@ -186,3 +188,7 @@ def test_ctrl_c_keeps_what_is_done(tmp_path):
     assert "the same command goes on" in said and "Traceback" not in said
     done = [json.loads(line)["run"] for line in rows.read_text().splitlines()]
     assert len(done) == len(pd.read_csv(tmp_path / "sweep.csv")) < 2000
+
+
+def test_a_sweep_takes_every_option_of_how_fmus_are_coupled():
+    assert set(COUPLING) <= set(USUAL)

@@ -36,6 +36,7 @@ USUAL: dict[str, Any] = {
     "method": "broyden",
     "tolerance": 1e-8,
     "iterations": 100,
+    "threads": 1,
 }
 """What the runs of a sweep have in common, where it does not say otherwise: as `tracktrain run`."""
 
