@@ -6,6 +6,7 @@ import logging
 import os
 import signal
 import threading
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from itertools import islice
@@ -17,8 +18,12 @@ from .one import Row, run_one
 if TYPE_CHECKING:
     from distributed import Client
 
-WAITING = 4
-"""Runs that wait at the scheduler, by worker: few, so that an end comes soon."""
+WAITING = 3
+"""Tasks that wait at the scheduler, by worker: few, so that an end comes soon."""
+
+TASK, MOST = 1.0, 16
+"""Wall time [s] that a task should take, so that handing it over costs little beside it, and the
+most runs that it may be. A task's rows come together when it is done."""
 
 Tasks = Mapping[int, Mapping[str, Any]]
 """Options of each run by its number in the grid."""
@@ -95,21 +100,39 @@ def _distributed(
 ) -> Iterator[tuple[int, Row]]:
     from distributed import as_completed
 
-    left = iter(tasks.items())
-    numbers = {}
-
-    def submitted(count: int) -> list[Any]:
-        futures = []
-        for number, options in islice(left, count):
-            future = client.submit(run_one, dict(options), list(outputs), reuse, pure=False)
-            numbers[future.key] = number
-            futures.append(future)
-        return futures
-
+    left = iter(tasks)
+    numbers: dict[Any, list[int]] = {}
     workers = max(len(client.scheduler_info(n_workers=-1)["workers"]), 1)
-    done = as_completed(submitted(WAITING * workers))
+    size, finished, begin = 1, 0, time.perf_counter()
+
+    def submitted(batch: list[int]) -> list[Any]:
+        if not batch:
+            return []
+        runs = [dict(tasks[number]) for number in batch]
+        future = client.submit(_run_all, runs, list(outputs), reuse, pure=False)
+        numbers[future.key] = batch
+        return [future]
+
+    done = as_completed(
+        [f for _ in range(WAITING * workers) for f in submitted(list(islice(left, 1)))]
+    )
     for future in done:
-        error = future.exception()
-        row = {"units": {}, "message": f"the worker was lost: {error}"} if error else None
-        yield numbers.pop(future.key), row or future.result()
-        done.update(submitted(1))
+        own = numbers.pop(future.key)
+        if error := future.exception():
+            if len(own) > 1:  # one run has taken its worker and the others with it
+                done.update([f for number in own for f in submitted([number])])
+                continue
+            yield own[0], {"units": {}, "message": f"the worker was lost: {error}"}
+        else:
+            yield from zip(own, future.result(), strict=True)
+        finished += len(own)
+        if finished > workers:  # the first runs load the FMUs
+            each = (time.perf_counter() - begin) * workers / (finished - workers)
+            size = max(1, min(MOST, round(TASK / each)))
+        else:
+            begin = time.perf_counter()
+        done.update(submitted(list(islice(left, size))))
+
+
+def _run_all(runs: Sequence[Mapping[str, Any]], outputs: Sequence[str], reuse: bool) -> list[Row]:
+    return [run_one(options, outputs, reuse) for options in runs]
