@@ -6,7 +6,6 @@ derivatives with respect to the parameters are exact.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -59,14 +58,6 @@ class Identification:
     noise: float
     offset: float
     remarks: tuple[str, ...]
-
-
-def loop_force(strain: Array, parameters: Sequence[float], slip: float, offset: float) -> Array:
-    """Force of an element along a strain history, shape of the strain.
-
-    parameters: in the order of `PARAMETERS`; slip: of the friction at the first sample.
-    """
-    return np.array(_force(len(strain))(strain, [*parameters, slip, offset])).ravel()
 
 
 def identify(strain: Array, force: Array) -> Identification:

@@ -14,7 +14,7 @@ from ..car_options import car_option, fmu_option
 from ..terminal import Progress
 from .command import study_command
 from .outcome import Outcome
-from .rig import Signals, rig, run_on_rig
+from .rig import Signals, completed, rig, run_on_rig, under_test
 from .ringdown import oscillation, separable
 
 if TYPE_CHECKING:
@@ -118,15 +118,8 @@ def carbody_survey(
     from fmus.carbody import Carbody
     from fmus.parameters import parameter_set
 
-    from ..changes import swapped
-    from ..hopper import hopper_car
-
     values = parameter_set(car).values(Carbody())
-    system = hopper_car(car)
-    if fmu is not None:
-        system, _ = swapped(system, "carbody", fmu)
-    component = system.components["carbody"]
-    place, given = Path(str(component.fmu)), component.parameters
+    place, given = under_test(car, "carbody", fmu)
     loaded = parameter_set("loaded").values(Carbody())["body_mass"]
     springs = AirSprings.under(values, loaded, AIR_ROLL[car])
 
@@ -215,12 +208,7 @@ def _run(
             for name, motion, rate in (("force_z", "z", "vz"), ("moment_x", "roll", "wx"))
         },
     )
-    run = run_on_rig(fmu, given, stand, duration, STEP)
-    if not run.completed:
-        from ..errors import TracktrainError
-
-        raise TracktrainError(f"the survey with {force} stopped: {run.message}")
-    return run
+    return completed(run_on_rig(fmu, given, stand, duration, STEP), f"the survey with {force}")
 
 
 def _chirp(time: float) -> float:

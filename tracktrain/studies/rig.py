@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
+from ..errors import TracktrainError
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -42,6 +44,27 @@ def rig(
         output=lambda x, u, p: law(x, u),
         directional=along if depends else None,
     )
+
+
+def under_test(car: str, instance: str, fmu: Path | None) -> tuple[Path, Mapping[str, Value]]:
+    """The FMU of an instance of the car, or `fmu` in its place, and the values that it is given."""
+    from pathlib import Path
+
+    from ..changes import swapped
+    from ..hopper import hopper_car
+
+    system = hopper_car(car)
+    if fmu is not None:
+        system, _ = swapped(system, instance, fmu)
+    component = system.components[instance]
+    return Path(str(component.fmu)), component.parameters
+
+
+def completed(run: Run, what: str) -> Run:
+    """The run; raises TracktrainError for one that stopped, of which `what` tells what it was."""
+    if not run.completed:
+        raise TracktrainError(f"{what} stopped: {run.message}")
+    return run
 
 
 def run_on_rig(

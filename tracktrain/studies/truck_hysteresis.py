@@ -18,7 +18,7 @@ from ..scales import INCH, POUND_FORCE
 from ..terminal import Progress
 from .command import study_command
 from .outcome import Outcome
-from .rig import Signals, rig, run_on_rig
+from .rig import Signals, completed, rig, run_on_rig, under_test
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -84,25 +84,15 @@ def truck_hysteresis(
     from fmus.parameters import parameter_set
     from fmus.truck import Truck
 
-    from ..changes import swapped
-    from ..hopper import hopper_car
-
     values = parameter_set(car).values(Truck())
-    system = hopper_car(car)
-    if fmu is not None:
-        system, _ = swapped(system, "truck_front", fmu)
-    component = system.components["truck_front"]
-    given = {**component.parameters, "wedge_law": wedge_law}
+    place, parameters = under_test(car, "truck_front", fmu)
+    given = {**parameters, "wedge_law": wedge_law}
     cycles: list[Cycle] = []
     plan = list(product(DRIVES, loads, periods))
     for done, (drive, load, period) in enumerate(plan):
-        run = run_on_rig(
-            Path(str(component.fmu)), given, _stand(drive, values, load, period), 3 * period
-        )
-        if not run.completed:
-            from ..errors import TracktrainError
-
-            raise TracktrainError(f"the {drive} loop at {load:g} kip stopped: {run.message}")
+        stand = _stand(drive, values, load, period)
+        run = run_on_rig(place, given, stand, 3 * period)
+        completed(run, f"the {drive} loop at {load:g} kip")
         cycles += _cycles(run.dataset, drive, load, period)
         if progress:
             progress((done + 1) / len(plan))

@@ -16,6 +16,7 @@ from ..car_options import car_option, fmu_option
 from ..scales import FOOT
 from .command import study_command
 from .outcome import Outcome
+from .rig import completed, under_test
 from .ringdown import Oscillation, oscillation
 
 if TYPE_CHECKING:
@@ -71,21 +72,15 @@ def wheelset(
     from fmus.truck import Truck
     from fmus.wheelrail import WheelRail, rig
 
-    from ..changes import swapped
-    from ..hopper import hopper_car
-
     settings = dict(settings or {})
     truck = parameter_set(car).values(Truck())
     mass = settings.pop("wheelset_mass", truck["wheelset_mass"])
     inertia = settings.pop("wheelset_yaw_inertia", truck["wheelset_yaw_inertia"])
     values = parameter_set(car).values(WheelRail())
     values |= {"flange_stiffness": 0.0, "gravity_factor": 0.0, **settings}
-    system = hopper_car(car)
-    if fmu is not None:
-        system, _ = swapped(system, "wheelset_11", fmu)
-    component = system.components["wheelset_11"]
-    given = {name: values.get(name, value) for name, value in component.parameters.items()}
-    stand = _Stand(Path(str(component.fmu)), given)
+    place, parameters = under_test(car, "wheelset_11", fmu)
+    given = {name: values.get(name, value) for name, value in parameters.items()}
+    stand = _Stand(place, given)
 
     half_wheelbase = truck["half_wheelbase"]
     light = Frame(0.01 * mass, 0.01 * inertia)
@@ -194,11 +189,7 @@ class _Stand:
             bonds=(),
         )
         run = simulate(system, duration=duration, step=2e-3 if speed < 10 else 1e-3)
-        if not run.completed:
-            from ..errors import TracktrainError
-
-            raise TracktrainError(f"the wheelset at {speed:g} m/s stopped: {run.message}")
-        return run
+        return completed(run, f"the wheelset at {speed:g} m/s")
 
 
 def _mass_on_wheelsets(frame: Frame) -> Mock:
