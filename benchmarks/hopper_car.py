@@ -20,7 +20,7 @@ from rich.console import Console
 from rich.table import Table
 
 from orchestrator import simulate
-from tracktrain.hopper import hopper_car
+from tracktrain.car.hopper import hopper_car
 
 RESULT = Path(__file__).parent / "results" / "hopper_car.md"
 

@@ -10,7 +10,7 @@ import sys
 from matplotlib.figure import Figure
 
 from orchestrator import simulate
-from tracktrain.hopper import hopper_car
+from tracktrain import hopper_car
 
 FOOT = 0.3048
 

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .errors import FmusError, ParameterError
+from .errors import (
+    FmusError,
+    ParameterError,
+)
 
 if TYPE_CHECKING:
-    from .block import Block
+    from .describe.block import Block
 
     BLOCKS: dict[str, type[Block]]
 

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import platformdirs
 
+from .names import NAMES, SUFFIX
+
 PACKAGE = Path(__file__).parent
+
+
 STAMP = "sources.sha256"
-NAMES = ("carbody", "truck", "wheelrail", "track")
-SUFFIX = {"2.0": "", "3.0": "_fmi3"}
-"""What follows a block's name in the name of its FMU, by version of FMI."""
-FMI_VERSIONS = tuple(SUFFIX)
 
 
 @cache

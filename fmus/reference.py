@@ -13,11 +13,19 @@ from pathlib import Path
 
 import numpy as np
 
-from . import carbody, track, truck, wheelrail
+from . import (
+    carbody,
+    track,
+    truck,
+    wheelrail,
+)
 from .carbody import rig as carbody_rig
-from .parameters import DEFAULT_SET, parameter_set
+from .describe.parameters import (
+    DEFAULT_SET,
+    parameter_set,
+)
+from .describe.twin import Twin
 from .track import rig as track_rig
-from .twin import Twin
 
 STEP = 1e-3
 """Communication step [s] of all experiments."""

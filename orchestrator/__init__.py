@@ -8,21 +8,45 @@ run.dataset["b.v"].plot()
 
 from __future__ import annotations
 
-from .bonds import BondResidual
-from .checkpoint import read_checkpoint
-from .description import Description, Tangent, Variable, describe
 from .errors import OrchestratorError
-from .linear import LinearModel, linearise
-from .log import Log
-from .mock import Mock
-from .monolith import monolith
-from .port_map import Port, PortMap, read_port_map
-from .results import Run
-from .session import Session
-from .simulation import resume, simulate
-from .system import Component, Connection, Experiment, PowerBond, System
-from .transformation import Linear, Table
-from .trust.refinement import verify
+from .fmu.description import (
+    Description,
+    Tangent,
+    Variable,
+)
+from .fmu.port_map import (
+    Port,
+    PortMap,
+)
+from .fmu.read import describe
+from .results.energy import BondResidual
+from .results.run import Run
+from .run.checkpoint import read_checkpoint
+from .run.log import Log
+from .run.simulate import (
+    resume,
+    simulate,
+)
+from .slaves.inline import Mock
+from .slaves.session import Session
+from .ssp.port_map import read_port_map
+from .system.system import (
+    Component,
+    Connection,
+    Experiment,
+    PowerBond,
+    System,
+)
+from .system.transformation import (
+    Linear,
+    Table,
+)
+from .whole.linearise import (
+    LinearModel,
+    linearise,
+)
+from .whole.monolith import monolith
+from .whole.verify import verify
 
 __all__ = [
     "BondResidual",

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterator
 import pytest
 from fmu_instance import FmuInstance
 
-from fmus.catalogue import NAMES, fmu_path
+from fmus.catalogue import fmu_path
+from fmus.names import NAMES
 
 
 @pytest.fixture

@@ -11,7 +11,15 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from .scales import ACCELERATION, ANGLE, DISPLACEMENT, FOOT, FORCE, MILE_PER_HOUR, Scale
+from .scales import (
+    ACCELERATION,
+    ANGLE,
+    DISPLACEMENT,
+    FOOT,
+    FORCE,
+    MILE_PER_HOUR,
+    Scale,
+)
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -20,7 +20,7 @@ def opened(folder: Path) -> xr.Dataset:
     """The dataset in a run's folder, read as it is used; TracktrainError where there is none."""
     import xarray as xr
 
-    from orchestrator.results_file import NAME
+    from orchestrator.results.netcdf import NAME
 
     path = folder / NAME
     if not path.is_file():

@@ -8,8 +8,12 @@ from math import pi
 import numpy as np
 from scipy.linalg import expm
 
-from ..twin import Twin
-from .block import BEAM_WAVE_NUMBER, MODES, Carbody
+from ..describe.twin import Twin
+from .block import (
+    BEAM_WAVE_NUMBER,
+    MODES,
+    Carbody,
+)
 
 Forces = Mapping[str, float]
 

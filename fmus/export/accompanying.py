@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from ..block import Block
-from ..parameters import ParameterSet
+from ..describe.block import Block
+from ..describe.parameters import ParameterSet
 from .documentation import documentation
-from .references import references
-from .terminals import terminals_and_icons
+from .xml.references import references
+from .xml.terminals import terminals_and_icons
 
 HERE = Path(__file__).parent
 

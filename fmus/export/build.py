@@ -11,14 +11,33 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .. import BLOCKS
-from ..block import Block
-from ..catalogue import FMI_VERSIONS, SUFFIX
-from ..parameters import DEFAULT_SET, parameter_set
-from . import code, description, description3
+from ..describe.block import Block
+from ..describe.parameters import (
+    DEFAULT_SET,
+    parameter_set,
+)
+from ..names import (
+    FMI_VERSIONS,
+    SUFFIX,
+)
+from . import code
 from .accompanying import accompanying_files
-from .archive import NO_GUID, guid, write_archive
-from .build_description import build_description
-from .compiler import FLAGS, Target, compile_library, targets
+from .archive import (
+    NO_GUID,
+    guid,
+    write_archive,
+)
+from .compiler import (
+    FLAGS,
+    Target,
+    compile_library,
+    targets,
+)
+from .xml import (
+    description,
+    description3,
+)
+from .xml.build_description import build_description
 
 VERSION = "0.1.0"
 DESCRIPTIONS = {"2.0": description.model_description, "3.0": description3.model_description}

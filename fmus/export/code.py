@@ -10,10 +10,19 @@ from pathlib import Path
 
 import casadi as ca
 
-from ..block import Block, Variable
-from ..variables import MAX, limits
-from .model_variables import arrays
-from .tables import array_tables, c_tables
+from ..describe.block import (
+    Block,
+    Variable,
+)
+from ..describe.variables import (
+    MAX,
+    limits,
+)
+from .tables import (
+    array_tables,
+    c_tables,
+)
+from .xml.model_variables import arrays
 
 NATIVE = Path(__file__).parent / "native"
 QUIET = """\

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import casadi as ca
 
-from ..block import Block
+from ..describe.block import Block
 
 
 @lru_cache(maxsize=1)

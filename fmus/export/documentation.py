@@ -9,10 +9,14 @@ from xml.etree import ElementTree
 
 from markdown_it import MarkdownIt
 
-from ..block import Block, Parameter, Variable
+from ..describe.block import (
+    Block,
+    Parameter,
+    Variable,
+)
+from ..describe.parameters import ParameterSet
 from ..model import Model
-from ..parameters import ParameterSet
-from .model_variables import arrays
+from .xml.model_variables import arrays
 
 STYLE = """
 :root { --ink: #26323d; --faint: #5d6b78; --line: #d5dde4; --tint: #f3f6f9; --accent: #1f5fa8 }

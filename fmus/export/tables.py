@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..block import Block
+from ..describe.block import Block
 from .dependencies import dependencies
-from .model_variables import arrays
+from .xml.model_variables import arrays
 
 
 def c_tables(block: Block, header: str, tables: Mapping[str, Sequence[str]]) -> str:

@@ -6,9 +6,20 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from ..block import Block, Input, Output, Parameter, Signals, State, Table
-from ..terminals import RAILS, Terminal
-from ..variables import Array
+from ..describe.block import (
+    Block,
+    Input,
+    Output,
+    Parameter,
+    Signals,
+    State,
+    Table,
+)
+from ..describe.terminals import (
+    RAILS,
+    Terminal,
+)
+from ..describe.variables import Array
 from .irregularity import (
     LINE_ROWS,
     LINES,
@@ -17,7 +28,10 @@ from .irregularity import (
     channel_lines,
     page_function,
 )
-from .spectra import CHANNELS, SPECTRA
+from .spectra import (
+    CHANNELS,
+    SPECTRA,
+)
 
 AXLES = (1, 2, 3, 4)
 RAIL_MOTIONS = tuple(

@@ -7,8 +7,11 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from ..block import Block, Signals
-from ..elements import (
+from ..describe.block import (
+    Block,
+    Signals,
+)
+from ..describe.elements import (
     friction_force,
     slider_indicator,
     slider_mode,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from ..block import Signals
+from ..describe.block import Signals
 
 
 def body_motions(p: Signals) -> list[tuple[ca.SX, ca.SX]]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..twin import Twin
+from ..describe.twin import Twin
 from .block import Truck
 from .ports import ELEMENTS
 

@@ -13,7 +13,10 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from .creep import LAWS, Contact
+from .creep import (
+    LAWS,
+    Contact,
+)
 from .hertz import semi_axes
 from .loaded_contact import creep_coefficients
 

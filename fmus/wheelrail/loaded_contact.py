@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from ..block import Signals
+from ..describe.block import Signals
 from .creep import Contact
 from .creep.contact import TINY
 from .hertz import semi_axes

@@ -10,7 +10,7 @@ from math import pi, sqrt
 import numpy as np
 from scipy.optimize import brentq
 
-from ..twin import Twin
+from ..describe.twin import Twin
 from .block import WheelRail
 
 Values = Mapping[str, float]

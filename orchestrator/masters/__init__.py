@@ -9,7 +9,10 @@ from __future__ import annotations
 from importlib import import_module
 from types import ModuleType
 
-from ..errors import CouplingError, choices
+from ..errors import (
+    CouplingError,
+    choices,
+)
 
 MASTERS = {
     "one-pass": "one_pass",

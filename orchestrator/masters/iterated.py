@@ -16,15 +16,28 @@ import numpy as np
 from numba.extending import register_jitable
 from numpy.typing import NDArray
 
-from ..coupling import continuous, interpolated
 from ..errors import CouplingError
-from ..graph import strong_parts
-from ..plan import Link, Plan
-from ..slave import Slave
-from . import ffi
-from .options import Options
-from .quasi_newton import Solved, Unknowns, begin_step, improve, settled, unknowns, worst
-from .tables import (
+from ..plan.graph import strong_parts
+from ..plan.plan import (
+    Link,
+    Plan,
+)
+from ..slaves import abi as ffi
+from ..slaves.base import Slave
+from .coupling import (
+    continuous,
+    interpolated,
+)
+from .loop.quasi_newton import (
+    Solved,
+    Unknowns,
+    begin_step,
+    improve,
+    settled,
+    unknowns,
+    worst,
+)
+from .loop.tables import (
     GET,
     NOT_CONVERGED,
     RESTORE,
@@ -52,6 +65,7 @@ from .tables import (
     starts,
     stopped,
 )
+from .options import Options
 
 
 class Parts(NamedTuple):

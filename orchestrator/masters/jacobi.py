@@ -8,13 +8,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..coupling import Coupling, Way, continuous, way_notes
-from ..plan import Plan
-from ..slave import Slave
-from . import explicit, ffi
-from .crew import FINISHED, STEPPED, Crew, alone, man, meet
-from .options import Options
-from .tables import (
+from ..plan.plan import Plan
+from ..slaves import abi as ffi
+from ..slaves.base import Slave
+from .coupling import (
+    Coupling,
+    Way,
+    continuous,
+    way_notes,
+)
+from .loop import explicit
+from .loop.crew import (
+    FINISHED,
+    STEPPED,
+    Crew,
+    alone,
+    man,
+    meet,
+)
+from .loop.tables import (
     GET,
     SET,
     STEP,
@@ -33,6 +45,7 @@ from .tables import (
     set_inputs,
     stopped,
 )
+from .options import Options
 
 
 def prepare(plan: Plan, slaves: Sequence[Slave], options: Options) -> Prepared:

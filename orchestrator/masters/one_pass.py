@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..coupling import couple
-from ..plan import Plan
-from ..slave import Slave
-from . import explicit
+from ..plan.plan import Plan
+from ..slaves.base import Slave
+from .coupling import couple
+from .loop import explicit
+from .loop.tables import Prepared
 from .options import Options
-from .tables import Prepared
 
 
 def prepare(plan: Plan, slaves: Sequence[Slave], options: Options) -> Prepared:

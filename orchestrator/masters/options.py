@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
-from ..errors import CouplingError, choices
-from .quasi_newton import METHODS
+from ..errors import (
+    CouplingError,
+    choices,
+)
+from .loop.quasi_newton import METHODS
 
 OPTIONS = {
     "one-pass": (),

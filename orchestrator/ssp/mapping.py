@@ -7,8 +7,17 @@ from pathlib import Path
 from typing import get_args
 
 from ..errors import SspError
-from ..transformation import IDENTITY, Kind, Linear, Table, Transformation
-from .xml import Node, parse
+from ..system.transformation import (
+    IDENTITY,
+    Kind,
+    Linear,
+    Table,
+    Transformation,
+)
+from .xml import (
+    Node,
+    parse,
+)
 
 _SUFFIX = "MappingTransformation"
 

@@ -7,16 +7,44 @@ from dataclasses import dataclass, field
 from typing import cast
 from xml.etree.ElementTree import Element, SubElement
 
-from ..description import Description, Variable
-from ..errors import SspError, UnitError
-from ..system import Component, Value
-from ..transformation import IDENTITY, Linear, Table, Transformation
-from ..units import BaseUnit, Definitions, base_unit, quantity, scale_of
-from ..values import resolve
-from .connections import Step, Unit, along
+from ..errors import (
+    SspError,
+    UnitError,
+)
+from ..fmu.description import (
+    Description,
+    Variable,
+)
+from ..fmu.units import (
+    BaseUnit,
+    Definitions,
+    base_unit,
+    quantity,
+    scale_of,
+)
+from ..plan.start_values import resolve
+from ..system.system import (
+    Component,
+    Value,
+)
+from ..system.transformation import (
+    IDENTITY,
+    Linear,
+    Table,
+    Transformation,
+)
+from .connections import (
+    Step,
+    Unit,
+    along,
+)
 from .package import unit_definitions
 from .structure import TYPES
-from .xml import Node, new_document, text_of
+from .xml import (
+    Node,
+    new_document,
+    text_of,
+)
 
 
 @dataclass(frozen=True)

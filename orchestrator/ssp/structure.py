@@ -6,9 +6,16 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from ..arrays import element_names, shaped
-from ..description import Description, Variable, describe
 from ..errors import choices
+from ..fmu.arrays import (
+    element_names,
+    shaped,
+)
+from ..fmu.description import (
+    Description,
+    Variable,
+)
+from ..fmu.read import describe
 from .package import Document
 from .xml import Node
 

@@ -9,14 +9,32 @@ from pathlib import Path
 from urllib.parse import quote
 from xml.etree.ElementTree import Element, SubElement
 
-from ..arrays import element_names
-from ..description import Description, Variable, describe
-from ..errors import SspError, choices
-from ..mock import Mock
-from ..plan import component_description
-from ..system import STEP, Component, Connection, Experiment, System, split
-from ..transformation import IDENTITY, Linear, Transformation
-from ..units import Definitions
+from ..errors import (
+    SspError,
+    choices,
+)
+from ..fmu.arrays import element_names
+from ..fmu.description import (
+    Description,
+    Variable,
+)
+from ..fmu.read import describe
+from ..fmu.units import Definitions
+from ..plan.plan import component_description
+from ..slaves.inline import Mock
+from ..system.system import (
+    STEP,
+    Component,
+    Connection,
+    Experiment,
+    System,
+    split,
+)
+from ..system.transformation import (
+    IDENTITY,
+    Linear,
+    Transformation,
+)
 from .package import DEFAULT
 from .parameter_sets import (
     ParameterSet,
@@ -25,9 +43,15 @@ from .parameter_sets import (
     type_in,
     write_dimensions,
 )
-from .reader import OSP, OWN
+from .reader import (
+    OSP,
+    OWN,
+)
 from .structure import TYPES
-from .xml import new_document, text_of
+from .xml import (
+    new_document,
+    text_of,
+)
 
 VERSIONS = ("1.0", "2.0")
 CONNECTORS = ("input", "output")

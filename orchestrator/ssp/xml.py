@@ -8,8 +8,8 @@ from typing import NoReturn
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
-from ..archive import parse_xml
 from ..errors import SspError
+from ..fmu.archive import parse_xml
 
 NAMESPACES = {
     "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",

@@ -7,8 +7,14 @@ and as one system, and `verdict` says it all in one sentence. See docs/trust.md.
 
 from __future__ import annotations
 
-from .findings import CHECKS, Finding, SelfTest
+from .findings import (
+    CHECKS,
+    Evidence,
+    Finding,
+    Level,
+    SelfTest,
+    Verdict,
+)
 from .tested import self_tests
-from .verdict import Evidence, Level, Verdict
 
 __all__ = ["CHECKS", "Evidence", "Finding", "Level", "SelfTest", "Verdict", "self_tests"]

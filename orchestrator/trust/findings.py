@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    pass
+
 
 VERSION = 1
 """Of the checks: results of another version are not used."""
@@ -35,3 +43,194 @@ class SelfTest:
     def failed(self, check: str) -> bool:
         """Whether a check found an error."""
         return any(f.check == check for f in self.errors)
+
+
+MARGIN = 0.5
+"""Share of the largest stable step above which a run is warned of: damping is off by then."""
+
+
+FAR = 16.0
+"""How many times the step is tried; a limit beyond does not matter."""
+
+
+@dataclass(frozen=True)
+class StepLimit:
+    """A macro step [s], and the largest that is stable, which a connection sets; inf for none."""
+
+    step: float
+    largest: float
+    connection: str = ""
+
+    @property
+    def share(self) -> float:
+        """The step over the largest stable one."""
+        return self.step / self.largest
+
+    @property
+    def close(self) -> bool:
+        """Whether the step is so large that it needs a warning."""
+        return self.share > MARGIN
+
+    @property
+    def note(self) -> str:
+        """What a run says of it."""
+        if not math.isfinite(self.largest):
+            return f"largest stable step: no limit up to {FAR * self.step:.3g} s"
+        least = f"largest stable step: about {self.largest:.3g} s, by {self.connection}"
+        if not self.close:
+            return f"{least}; the step is {self.share:.2g} of it"
+        return f"{least}; the step of {self.step:g} s is {self.share:.2g} of it: {self.advice}"
+
+    @property
+    def advice(self) -> str:
+        """What to do about a step that is close to the limit."""
+        return (
+            f"take at most {MARGIN * self.largest:.2g} s, or a master that follows the loop "
+            "(one-pass where the FMUs offer tangents, iterated where they roll back)"
+        )
+
+
+class Level(Enum):
+    """How far an answer can be relied on; see docs/trust.md."""
+
+    GOOD = "good"
+    UNKNOWN = "unknown"
+    DOUBTFUL = "doubtful"
+    BAD = "bad"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A level, the reasons for it, and what to do."""
+
+    level: Level
+    reasons: tuple[str, ...]
+    advice: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        said = "; ".join(self.reasons)
+        todo = "".join(f" {_sentence(text)}" for text in self.advice)
+        return f"Trust: {self.level.value}. {_sentence(said)}{todo}"
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What is known of a run besides its residuals: before it, and by repeating it."""
+
+    tests: Mapping[str, SelfTest] = field(default_factory=dict)
+    limit: StepLimit | None = None
+    refinement: Refinement | None = None
+
+    @property
+    def distrusted(self) -> frozenset[str]:
+        """Instances whose saved states do not hold everything."""
+        return frozenset(name for name, test in self.tests.items() if test.failed("rollback"))
+
+    @property
+    def crashed(self) -> list[str]:
+        """Instances whose self-test ended with its process; they get one of their own."""
+        return [name for name, test in self.tests.items() if test.failed("process")]
+
+    def notes(self, master: str) -> list[str]:
+        """What a run says before its first step."""
+        found: dict[str, list[str]] = {}
+        for name, test in self.tests.items():
+            for finding in test.errors:
+                found.setdefault(f"{test.label}: {finding.text}", []).append(name)
+        said = [f"self-test of {', '.join(names)}: {text}" for text, names in found.items()]
+        if master == "iterated" and self.distrusted:
+            said.append(
+                f"not repeated, since not rolled back: {', '.join(sorted(self.distrusted))}"
+            )
+        return [*said, *([self.limit.note] if self.limit else [])]
+
+    def attributes(self) -> dict[str, Any]:
+        """Attributes for a run's results."""
+        limit = self.limit
+        return {
+            "self_test": {
+                name: [finding.text for finding in test.errors] or "passed"
+                for name, test in self.tests.items()
+            }
+            or None,
+            "largest_stable_step": limit.largest if limit else None,
+            "largest_stable_step_set_by": limit.connection if limit else None,
+        }
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}."
+
+
+@dataclass(frozen=True)
+class Error:
+    """Error of an output at the run's step, by Richardson: rms and peak over the signal's rms.
+
+    order: observed, or NaN where there is none; then the difference to the run with half the step.
+    """
+
+    name: str
+    rms: float
+    peak: float
+    order: float
+
+    @property
+    def converges(self) -> bool:
+        return not math.isnan(self.order)
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """Errors by output, those against the monolithic twin over `twin_span` [s], and notes."""
+
+    step: float
+    errors: tuple[Error, ...]
+    twin: tuple[Error, ...] = ()
+    twin_span: float = 0.0
+    notes: tuple[str, ...] = ()
+
+    @property
+    def worst(self) -> Error | None:
+        """The output with the largest error."""
+        return max(self.errors, key=lambda error: error.rms, default=None)
+
+    def judged(self, small: float, large: float) -> list[tuple[Level, str]]:
+        """What it means for the verdict."""
+        found = []
+        erring = [e for e in self.errors if not e.converges and e.rms > small]
+        if worst := self.worst:
+            text = f"error of {worst.name} about {percent(worst.rms)} of its rms"
+            if worst.converges and worst.order > 0.0:
+                text += f" (order {worst.order:.1f})"
+            found.append((_level(worst.rms, small, large), text))
+        if erring:
+            names = ", ".join(e.name for e in erring[:3]) + (" ..." if erring[3:] else "")
+            found.append(
+                (
+                    Level.DOUBTFUL,
+                    f"smaller steps do not converge (no order observed) in {names}: the motion "
+                    "is chaotic or sticks and slips at other times, and only its statistics can "
+                    "be relied on",
+                )
+            )
+        if self.twin:
+            worst = max(self.twin, key=lambda error: error.rms)
+            found.append(
+                (
+                    _level(worst.rms, small, large),
+                    f"{percent(worst.rms)} at most from the monolithic twin ({worst.name}, first "
+                    f"{self.twin_span:g} s)",
+                )
+            )
+        return found
+
+
+def _level(error: float, small: float, large: float) -> Level:
+    if error <= small:
+        return Level.GOOD
+    return Level.DOUBTFUL if error <= large else Level.BAD
+
+
+def percent(share: float) -> str:
+    """A share in words: 0.0031 is "0.31 %"."""
+    return f"{100.0 * share:.2g} %"

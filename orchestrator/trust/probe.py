@@ -8,13 +8,19 @@ from contextlib import ExitStack
 import numpy as np
 from numpy.typing import NDArray
 
-from ..description import Variable
 from ..errors import SlaveError
-from ..masters import ffi
-from ..plan import make_plan
-from ..session import Session
-from ..slave import Slave, Status
-from ..system import Component, System
+from ..fmu.description import Variable
+from ..plan.plan import make_plan
+from ..slaves import abi as ffi
+from ..slaves.base import (
+    Slave,
+    Status,
+)
+from ..slaves.session import Session
+from ..system.system import (
+    Component,
+    System,
+)
 
 Array = NDArray[np.float64]
 

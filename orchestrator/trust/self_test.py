@@ -11,14 +11,24 @@ from typing import Any
 
 import numpy as np
 
-from ..description import Variable
-from ..errors import OrchestratorError, UnitError
-from ..mock import Mock
-from ..session import Session
-from ..system import Component
-from ..units import scale_of
-from .findings import CHECKS, Finding, SelfTest
-from .probe import Array, Probe
+from ..errors import (
+    OrchestratorError,
+    UnitError,
+)
+from ..fmu.description import Variable
+from ..fmu.units import scale_of
+from ..slaves.inline import Mock
+from ..slaves.session import Session
+from ..system.system import Component
+from .findings import (
+    CHECKS,
+    Finding,
+    SelfTest,
+)
+from .probe import (
+    Array,
+    Probe,
+)
 
 STEPS = 3
 """Steps before and after a state is saved."""
@@ -317,7 +327,7 @@ def _some(names: list[str], limit: int = 6) -> str:
 
 def _recommended(component: Component) -> float | None:
     """The step that an FMU recommends [s]."""
-    from ..description import open_fmu
+    from ..fmu.read import open_fmu
 
     if isinstance(component.fmu, Mock):
         return None

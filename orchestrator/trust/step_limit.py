@@ -18,79 +18,52 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.linalg import eig
 
-from ..coupling import Way, couple, interpolated
-from ..errors import CouplingError, OrchestratorError
-from ..graph import strong_parts
-from ..plan import Link, Plan
-from ..session import Session
-from ..system import System
+from ..errors import (
+    CouplingError,
+    OrchestratorError,
+)
+from ..masters.coupling import (
+    Way,
+    couple,
+    interpolated,
+)
+from ..plan.graph import strong_parts
+from ..plan.plan import (
+    Link,
+    Plan,
+)
+from ..slaves.session import Session
+from ..system.system import System
 from .findings import SelfTest
-from .probe import Array, Probe
+from .probe import (
+    Array,
+    Probe,
+)
 from .self_test import differences
 
 if TYPE_CHECKING:
     from ..masters.options import Options
+from .findings import FAR, StepLimit
 
 LIMITS = (2.0, 1.0, 6.0 / 11.0)
 """Largest stable r by order of extrapolation: the real axis of Adams and Bashforth's methods."""
 
-MARGIN = 0.5
-"""Share of the largest stable step above which a run is warned of: damping is off by then."""
-
-FAR = 16.0
-"""How many times the step is tried; a limit beyond does not matter."""
 
 CLOSE = 0.02
 """Relative change of the limit from one trial to the next that ends the search."""
 
+
 FORCES = (1e-6, 1e-3, 1.0)
 """Changes of an input to try, relative to its value or 1, until they tell above rounding."""
 
+
 TELLING = 1e6
 """How many roundings of an output a change of it must have."""
-
-
-@dataclass(frozen=True)
-class StepLimit:
-    """A macro step [s], and the largest that is stable, which a connection sets; inf for none."""
-
-    step: float
-    largest: float
-    connection: str = ""
-
-    @property
-    def share(self) -> float:
-        """The step over the largest stable one."""
-        return self.step / self.largest
-
-    @property
-    def close(self) -> bool:
-        """Whether the step is so large that it needs a warning."""
-        return self.share > MARGIN
-
-    @property
-    def note(self) -> str:
-        """What a run says of it."""
-        if not math.isfinite(self.largest):
-            return f"largest stable step: no limit up to {FAR * self.step:.3g} s"
-        least = f"largest stable step: about {self.largest:.3g} s, by {self.connection}"
-        if not self.close:
-            return f"{least}; the step is {self.share:.2g} of it"
-        return f"{least}; the step of {self.step:g} s is {self.share:.2g} of it: {self.advice}"
-
-    @property
-    def advice(self) -> str:
-        """What to do about a step that is close to the limit."""
-        return (
-            f"take at most {MARGIN * self.largest:.2g} s, or a master that follows the loop "
-            "(one-pass where the FMUs offer tangents, iterated where they roll back)"
-        )
 
 
 def step_limit(

@@ -12,11 +12,15 @@ from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 
-from ..encoding import encode
-from ..mock import Mock
-from ..plan import component_description
-from ..system import Component
-from .findings import VERSION, Finding, SelfTest
+from ..plan.plan import component_description
+from ..slaves.inline import Mock
+from ..system.encoding import encode
+from ..system.system import Component
+from .findings import (
+    VERSION,
+    Finding,
+    SelfTest,
+)
 
 TIMEOUT = 60.0
 """Wall time that the test of one FMU may take [s]."""
@@ -79,7 +83,7 @@ def _run(asked: Path, answered: Path, timeout: float) -> str:
         )
     except subprocess.TimeoutExpired:
         return f"its self-test did not end within {timeout:g} s"
-    from ..isolation.slave import cause
+    from ..slaves.isolated.slave import cause
 
     said = done.stderr.decode(errors="replace").strip().splitlines()
     more = f": {said[-1]}" if said else ""
@@ -88,7 +92,7 @@ def _run(asked: Path, answered: Path, timeout: float) -> str:
 
 def answer(asked: Path, answered: Path) -> None:
     """Test the FMUs that a file asks for, each result a line of another: in the new process."""
-    from ..encoding import decode
+    from ..system.encoding import decode
     from .self_test import self_test
 
     for component in decode(json.loads(asked.read_text())):

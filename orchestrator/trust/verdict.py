@@ -3,103 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from enum import Enum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from ..bonds import BondResidual
+from ..results.energy import BondResidual
 
 if TYPE_CHECKING:
     from .findings import SelfTest
-    from .refinement import Refinement
-    from .step_limit import StepLimit
-
-
-class Level(Enum):
-    """How far an answer can be relied on; see docs/trust.md."""
-
-    GOOD = "good"
-    UNKNOWN = "unknown"
-    DOUBTFUL = "doubtful"
-    BAD = "bad"
-
+from .findings import Evidence, Level, Verdict
 
 SMALL_RESIDUAL = 1e-3
 """Energy residual of a bond below which the coupling does no harm: the hopper car with held inputs,
 whose motion is 3 to 14 % wrong, has 6e-3 to 2e-2; coupled to 1e-5 it has 1e-5."""
 
+
 LARGE_RESIDUAL = 0.1
 """Energy residual above which the coupling makes up a good part of the motion."""
+
 
 CARRYING = 1e-6
 """Share of the energy through the busiest bond below which a bond carries nothing but rounding."""
 
+
 SMALL_ERROR, LARGE_ERROR = 0.01, 0.2
 """Estimated error of an output over its rms: what engineering takes, and what it cannot use."""
+
 
 JUMPING = 0.5
 """Change of a force from step to step over twice its size, above which it jumps to and fro."""
 
+
 _ORDER = [Level.GOOD, Level.UNKNOWN, Level.DOUBTFUL, Level.BAD]
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """A level, the reasons for it, and what to do."""
-
-    level: Level
-    reasons: tuple[str, ...]
-    advice: tuple[str, ...] = ()
-
-    def __str__(self) -> str:
-        said = "; ".join(self.reasons)
-        todo = "".join(f" {_sentence(text)}" for text in self.advice)
-        return f"Trust: {self.level.value}. {_sentence(said)}{todo}"
-
-
-@dataclass(frozen=True)
-class Evidence:
-    """What is known of a run besides its residuals: before it, and by repeating it."""
-
-    tests: Mapping[str, SelfTest] = field(default_factory=dict)
-    limit: StepLimit | None = None
-    refinement: Refinement | None = None
-
-    @property
-    def distrusted(self) -> frozenset[str]:
-        """Instances whose saved states do not hold everything."""
-        return frozenset(name for name, test in self.tests.items() if test.failed("rollback"))
-
-    @property
-    def crashed(self) -> list[str]:
-        """Instances whose self-test ended with its process; they get one of their own."""
-        return [name for name, test in self.tests.items() if test.failed("process")]
-
-    def notes(self, master: str) -> list[str]:
-        """What a run says before its first step."""
-        found: dict[str, list[str]] = {}
-        for name, test in self.tests.items():
-            for finding in test.errors:
-                found.setdefault(f"{test.label}: {finding.text}", []).append(name)
-        said = [f"self-test of {', '.join(names)}: {text}" for text, names in found.items()]
-        if master == "iterated" and self.distrusted:
-            said.append(
-                f"not repeated, since not rolled back: {', '.join(sorted(self.distrusted))}"
-            )
-        return [*said, *([self.limit.note] if self.limit else [])]
-
-    def attributes(self) -> dict[str, Any]:
-        """Attributes for a run's results."""
-        limit = self.limit
-        return {
-            "self_test": {
-                name: [finding.text for finding in test.errors] or "passed"
-                for name, test in self.tests.items()
-            }
-            or None,
-            "largest_stable_step": limit.largest if limit else None,
-            "largest_stable_step_set_by": limit.connection if limit else None,
-        }
 
 
 def judge(message: str | None, bonds: Sequence[BondResidual], evidence: Evidence) -> Verdict:
@@ -183,7 +116,3 @@ def _advice(level: Level, evidence: Evidence) -> str:
     if level is Level.UNKNOWN:
         return "verify it: run it again with half the step (--verify does)"
     return "take a smaller step or another master, and verify it (--verify)"
-
-
-def _sentence(text: str) -> str:
-    return f"{text[:1].upper()}{text[1:]}."

@@ -13,10 +13,17 @@ from click.testing import CliRunner
 from tolerances import BAND_PASS_ENDS
 
 from tracktrain.assessment import assess
-from tracktrain.assessment.criteria import LIMITS, MEASURES, nadal
+from tracktrain.assessment.criteria import (
+    LIMITS,
+    MEASURES,
+    nadal,
+)
 from tracktrain.assessment.rules import rules
-from tracktrain.cli import main
-from tracktrain.hopper import TRUCKS, WHEELSETS
+from tracktrain.car.hopper import (
+    TRUCKS,
+    WHEELSETS,
+)
+from tracktrain.cli.main import main
 
 SPEED, RATE, GRAVITY = 18.288, 1000, 9.80665
 AXLE_LOAD = 50 * 4448.2216152605  # 50 kip

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fmus import BLOCKS
-from fmus.parameters import parameter_set
-from fmus.twin import Twin
+from fmus.describe.parameters import parameter_set
+from fmus.describe.twin import Twin
 
 
 @pytest.fixture

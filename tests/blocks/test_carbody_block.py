@@ -6,8 +6,17 @@ import numpy as np
 import pytest
 import tolerances
 
-from fmus.carbody.block import ELASTIC, ENDS, Carbody
-from fmus.carbody.rig import beam_shape, mode_shapes, oracle, run
+from fmus.carbody.block import (
+    ELASTIC,
+    ENDS,
+    Carbody,
+)
+from fmus.carbody.rig import (
+    beam_shape,
+    mode_shapes,
+    oracle,
+    run,
+)
 
 PORTS = [port.name for port in Carbody.inputs]
 INITIAL = [p.name for p in Carbody.parameters if p.name.startswith("initial.")]

@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 import tolerances
 
-from fmus.wheelrail.contact_rig import ContactRig, ellipse
+from fmus.wheelrail.contact_rig import (
+    ContactRig,
+    ellipse,
+)
 from fmus.wheelrail.creep import LAWS
 from fmus.wheelrail.kalker import coefficients
 

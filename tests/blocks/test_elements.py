@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 import tolerances
 
-from fmus.elements import friction_force, slip_after, spring_force
+from fmus.describe.elements import (
+    friction_force,
+    slip_after,
+    spring_force,
+)
 
 KF, LIMIT = 2.0e6, 5.0e3
 REACH = LIMIT / KF

@@ -6,8 +6,19 @@ import math
 
 import pytest
 
-from fmus import BLOCKS, FmusError, ParameterError
-from fmus.parameters import FOLDER, NO_STOP, PARAMETER_SETS, TABLES, load, parameter_set
+from fmus import (
+    BLOCKS,
+    FmusError,
+    ParameterError,
+)
+from fmus.describe.parameters import (
+    FOLDER,
+    NO_STOP,
+    PARAMETER_SETS,
+    TABLES,
+    load,
+    parameter_set,
+)
 from fmus.wheelrail import WheelRail
 
 LBF, INCH, POUND = 4.4482216152605, 0.0254, 0.45359237

@@ -10,8 +10,8 @@ import tolerances
 from templates import template
 
 from fmus import BLOCKS
-from fmus.parameters import parameter_set
-from fmus.twin import Twin
+from fmus.describe.parameters import parameter_set
+from fmus.describe.twin import Twin
 
 STEP = 1e-3
 SIZE = {"m": 2e-3, "rad": 1e-3, "m/s": 0.1, "rad/s": 0.02, "N": 2e4, "N.m": 1e4}

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from track_values import L_C, L_X, track_values
 
+from fmus.describe.twin import Twin
 from fmus.track import Track, rig
-from fmus.twin import Twin
 
 BEHIND = (0.0, 2 * L_X, 2 * L_C, 2 * L_C + 2 * L_X)
 RAILS = ("rail_y_left", "rail_y_right", "rail_z_left", "rail_z_right")

@@ -9,7 +9,12 @@ import numpy as np
 import pytest
 from track_values import track_values
 
-from fmus.export.compiler import FLAGS, CompileError, compile_library, host_target
+from fmus.export.compiler import (
+    FLAGS,
+    CompileError,
+    compile_library,
+    host_target,
+)
 from fmus.track import Track
 
 

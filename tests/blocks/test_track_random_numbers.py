@@ -6,7 +6,15 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from fmus.track.random_numbers import M1, M2, STREAM_BITS, _jumps, draw, modulo, stream_state
+from fmus.track.random_numbers import (
+    M1,
+    M2,
+    STREAM_BITS,
+    _jumps,
+    draw,
+    modulo,
+    stream_state,
+)
 
 START = [12345] * 6
 

@@ -9,9 +9,9 @@ import pytest
 import tolerances
 from track_values import INCH, track_values
 
+from fmus.describe.twin import Twin
 from fmus.track import Track, rig
 from fmus.track.spectra import CHANNELS
-from fmus.twin import Twin
 
 FOOT = 0.3048
 

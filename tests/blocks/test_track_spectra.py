@@ -9,7 +9,14 @@ from scipy.integrate import quad
 from track_values import INCH, track_values
 
 from fmus.track import rig
-from fmus.track.spectra import CHANNELS, SPECTRA, amplitudes, band_variance, corners, density
+from fmus.track.spectra import (
+    CHANNELS,
+    SPECTRA,
+    amplitudes,
+    band_variance,
+    corners,
+    density,
+)
 
 FOOT = 0.3048
 BANDS = [(3.0, 41.7), (3.0, 25.0), (0.5, 1000.0), (25.0, 200.0)]

@@ -9,10 +9,13 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from fmus.catalogue import NAMES
 from fmus.export import CompileError, compiler
-from fmus.export.compiler import TARGETS, host_target
-from tracktrain.cli import main
+from fmus.export.compiler import (
+    TARGETS,
+    host_target,
+)
+from fmus.names import NAMES
+from tracktrain.cli.main import main
 
 builder = importlib.import_module("fmus.export.build")  # whose name the function `build` hides
 

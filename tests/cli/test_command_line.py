@@ -8,7 +8,7 @@ import sys
 import pytest
 from click.testing import CliRunner, Result
 
-from tracktrain.cli import main
+from tracktrain.cli.main import main
 
 
 def refused(*arguments: str) -> str:

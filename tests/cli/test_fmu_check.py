@@ -11,11 +11,11 @@ from click.testing import CliRunner
 from test_swap import variant
 
 from fmus.catalogue import fmu_path
-from orchestrator.plan import make_plan
-from tracktrain.changes import swapped
-from tracktrain.cli import main
-from tracktrain.hopper import hopper_car
-from tracktrain.standin import compare
+from orchestrator.plan.plan import make_plan
+from tracktrain.car.changes import swapped
+from tracktrain.car.hopper import hopper_car
+from tracktrain.car.stand_in import compare
+from tracktrain.cli.main import main
 
 
 def check(path: Path, block: str) -> tuple[int, str, str]:

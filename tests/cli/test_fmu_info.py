@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from test_swap import variant
 
 from fmus.catalogue import fmu_path
-from tracktrain.cli import main
+from tracktrain.cli.main import main
 
 FMI_1 = """<fmiModelDescription fmiVersion="1.0" modelName="old" modelIdentifier="old" guid="g"
  numberOfContinuousStates="1" numberOfEventIndicators="0" generationTool="Old Tool 4">

@@ -5,8 +5,14 @@ from __future__ import annotations
 import pytest
 
 from fmus import BLOCKS
+from tracktrain.car.hopper import (
+    BLOCK_OF,
+    CARS,
+    TRACKS,
+    hopper_car,
+    required_ports,
+)
 from tracktrain.errors import HopperError
-from tracktrain.hopper import BLOCK_OF, CARS, TRACKS, hopper_car, required_ports
 
 
 def test_every_input_but_the_speed_is_driven_exactly_once() -> None:

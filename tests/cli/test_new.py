@@ -11,7 +11,7 @@ from archive_checks import findings
 from click.testing import CliRunner
 from templates import STARTS
 
-from tracktrain.cli import main
+from tracktrain.cli.main import main
 
 
 def invoke(*arguments: object) -> str:

@@ -14,8 +14,8 @@ from matplotlib.image import imread
 
 from fmus import BLOCKS
 from fmus.catalogue import fmu_path
-from tracktrain.cli import main
-from tracktrain.hopper import BLOCK_OF
+from tracktrain.car.hopper import BLOCK_OF
+from tracktrain.cli.main import main
 
 PICTURES = ("lateral_force.png", "displacement.png", "track.png", "carbody.png")
 

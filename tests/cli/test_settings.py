@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 from click.testing import CliRunner
 
-from tracktrain.cli import main
+from tracktrain.cli.main import main
 
 
 def run(*arguments: str, out: Path) -> tuple[int, str]:

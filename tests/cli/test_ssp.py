@@ -11,9 +11,9 @@ import xarray as xr
 from click.testing import CliRunner
 
 from fmus.catalogue import fmu_path
-from tracktrain import cli
-from tracktrain.cli import main
-from tracktrain.hopper import BLOCK_OF
+from tracktrain.car.hopper import BLOCK_OF
+from tracktrain.cli import main as cli
+from tracktrain.cli.main import main
 
 SHAPE = (
     *("--car", "empty", "--speed", "80 ft/s", "--track", "fra4", "--seed", "3"),

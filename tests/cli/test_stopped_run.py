@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 from click.testing import CliRunner, Result
 
-from tracktrain import cli
+from tracktrain.cli import main as cli
 
 PICTURES = ("lateral_force.png", "displacement.png", "track.png", "carbody.png")
 

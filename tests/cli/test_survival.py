@@ -15,7 +15,7 @@ import xarray as xr
 from click.testing import CliRunner, Result
 
 from fmus.catalogue import fmu_path
-from tracktrain import cli
+from tracktrain.cli import main as cli
 
 SHORT = ("--duration", "0.3s", "--quiet")
 
@@ -63,7 +63,7 @@ def test_killed_run_goes_on_to_the_same_bits(tmp_path: Path) -> None:
 
 def test_foreign_fmus_alone_are_isolated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A copy of our own FMU is ours; one byte more makes it a stranger."""
-    from orchestrator import simulation
+    from orchestrator.run import simulate as simulation
 
     seen: list[str] = []
     check = simulation._check_isolated

@@ -12,7 +12,7 @@ import xarray as xr
 from click.testing import CliRunner
 
 from fmus.catalogue import fmu_path
-from tracktrain.cli import main
+from tracktrain.cli.main import main
 
 POSITIONS = ("y", "z", "roll", "yaw")
 MOTIONS = (*POSITIONS, "vy", "vz", "wx", "wz")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import xarray as xr
 from click.testing import CliRunner
 
-from tracktrain.cli import main
+from tracktrain.cli.main import main
 
 
 def run(*arguments: str) -> str:

@@ -9,8 +9,8 @@ from fmpy.fmi1 import FMICallException
 from test_fmu_behaviour import scaled_inputs
 
 from fmus import BLOCKS
-from fmus.parameters import parameter_set
-from fmus.twin import Twin
+from fmus.describe.parameters import parameter_set
+from fmus.describe.twin import Twin
 from fmus.wheelrail.block import CREEP_LAWS
 
 

@@ -11,7 +11,7 @@ from test_fmu_behaviour import STEP, advance, scaled_inputs
 
 from fmus import BLOCKS
 from fmus.catalogue import fmu_path
-from fmus.parameters import parameter_set
+from fmus.describe.parameters import parameter_set
 
 EXPECTED = {
     "carbody": {

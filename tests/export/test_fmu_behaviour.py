@@ -251,6 +251,6 @@ def test_a_higher_input_derivative_is_refused(instantiate2):
 
 
 def test_blocks_are_those_of_the_catalogue():
-    from fmus.catalogue import NAMES
+    from fmus.names import NAMES
 
     assert tuple(BLOCKS) == NAMES

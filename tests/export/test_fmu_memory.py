@@ -11,8 +11,11 @@ from pathlib import Path
 import pytest
 
 from fmus import BLOCKS
+from fmus.describe.parameters import (
+    DEFAULT_SET,
+    parameter_set,
+)
 from fmus.export.code import sources
-from fmus.parameters import DEFAULT_SET, parameter_set
 
 HOST = Path(__file__).parent / "memory_host.c"
 MEMORY = ("-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all")

@@ -13,9 +13,9 @@ from test_fmu_behaviour import scaled_inputs
 
 from fmus import BLOCKS
 from fmus.catalogue import fmu_path
-from fmus.parameters import parameter_set
+from fmus.describe.parameters import parameter_set
+from fmus.describe.twin import Twin
 from fmus.truck.ports import ELEMENTS
-from fmus.twin import Twin
 
 IMMOVABLE = 1e12
 """Factor on the truck's inertias with which a prescribed motion of the carbody moves it not."""

@@ -8,8 +8,8 @@ import tolerances
 from test_fmu_behaviour import STEP, scaled_inputs
 
 from fmus import BLOCKS
-from fmus.parameters import parameter_set
-from fmus.twin import Twin
+from fmus.describe.parameters import parameter_set
+from fmus.describe.twin import Twin
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -19,11 +19,20 @@ from fmu_instance import FmuInstance
 from python_process import run_script
 from test_fmu_behaviour import STEP, advance, scaled_inputs
 
-from fmus.catalogue import NAMES, fmu_path
+from fmus.catalogue import fmu_path
 from fmus.export.python import build_python
-from orchestrator import Component, System, describe, simulate
-from tracktrain.changes import swapped
-from tracktrain.hopper import BLOCK_OF, hopper_car
+from fmus.names import NAMES
+from orchestrator import (
+    Component,
+    System,
+    describe,
+    simulate,
+)
+from tracktrain.car.changes import swapped
+from tracktrain.car.hopper import (
+    BLOCK_OF,
+    hopper_car,
+)
 
 TESTS = Path(__file__).parents[1]
 NOT_NEEDED = ("fmus", "orchestrator", "tracktrain", "pythonfmu", "pint", "scipy")

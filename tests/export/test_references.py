@@ -13,8 +13,15 @@ import pytest
 from fmpy import simulate_fmu
 
 from fmus.catalogue import fmu_path
-from fmus.export.references import FOLDER, MANIFEST
-from fmus.reference import EXPERIMENTS, compute, read
+from fmus.export.xml.references import (
+    FOLDER,
+    MANIFEST,
+)
+from fmus.reference import (
+    EXPERIMENTS,
+    compute,
+    read,
+)
 
 
 def members(block: str, fmi: str = "2.0") -> dict[str, bytes]:

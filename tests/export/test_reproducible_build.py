@@ -7,7 +7,11 @@ import subprocess
 import sys
 import zipfile
 
-from fmus.catalogue import FMI_VERSIONS, NAMES, fmu_path
+from fmus.catalogue import fmu_path
+from fmus.names import (
+    FMI_VERSIONS,
+    NAMES,
+)
 
 BUILD = (
     "import sys; from pathlib import Path; from fmus.export import build; build(Path(sys.argv[1]))"

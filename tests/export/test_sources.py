@@ -17,7 +17,8 @@ from functions import FUNCTIONS
 from hosted import HOST, Hosted, step
 from tools import need
 
-from fmus.catalogue import NAMES, fmu_path
+from fmus.catalogue import fmu_path
+from fmus.names import NAMES
 
 STEPS = 200
 FOLDER = {"2.0": fmpy.platform, "3.0": fmpy.platform_tuple}

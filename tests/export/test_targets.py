@@ -21,9 +21,19 @@ from hosted import HOST, Hosted, step
 from tools import need
 
 from fmus import BLOCKS
-from fmus.catalogue import NAMES
-from fmus.export import CompileError, build, compiler
-from fmus.export.compiler import TARGETS, compile_library, compiler_command, host_target, targets
+from fmus.export import (
+    CompileError,
+    build,
+    compiler,
+)
+from fmus.export.compiler import (
+    TARGETS,
+    compile_library,
+    compiler_command,
+    host_target,
+    targets,
+)
+from fmus.names import NAMES
 
 lief.logging.disable()
 QUICK = tuple(name for name in TARGETS if not name.startswith("windows"))

@@ -13,9 +13,13 @@ from fmpy import read_model_description
 from lxml import etree
 
 from fmus.catalogue import fmu_path
-from fmus.terminals import CENTRE_PLATE, RAILS, Terminal
-from fmus.variables import Input
-from tracktrain.hopper import hopper_car
+from fmus.describe.terminals import (
+    CENTRE_PLATE,
+    RAILS,
+    Terminal,
+)
+from fmus.describe.variables import Input
+from tracktrain.car.hopper import hopper_car
 
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"
 PNG = b"\x89PNG\r\n\x1a\n"

@@ -15,8 +15,12 @@ from tools import need
 
 from fmus.catalogue import fmu_path
 from fmus.export.python import build_python
-from orchestrator import Component, System, simulate
-from tracktrain.hopper import hopper_car
+from orchestrator import (
+    Component,
+    System,
+    simulate,
+)
+from tracktrain.car.hopper import hopper_car
 
 pytestmark = pytest.mark.xdist_group("engines")
 

@@ -12,10 +12,21 @@ import tolerances
 from fmpy import read_model_description, simulate_fmu
 
 from fmus import BLOCKS
-from fmus.catalogue import FMI_VERSIONS, NAMES, fmu_path
-from fmus.parameters import DEFAULT_SET, parameter_set
-from fmus.twin import Twin
-from orchestrator import Component, System, simulate
+from fmus.catalogue import fmu_path
+from fmus.describe.parameters import (
+    DEFAULT_SET,
+    parameter_set,
+)
+from fmus.describe.twin import Twin
+from fmus.names import (
+    FMI_VERSIONS,
+    NAMES,
+)
+from orchestrator import (
+    Component,
+    System,
+    simulate,
+)
 
 STEP = 2.0**-10
 """Sums and differences of such times are exact, so that all masters step by the same size."""

@@ -15,9 +15,12 @@ from engines import run_archive, unavailable
 from test_engines import differences
 from tools import need
 
-from orchestrator import System, simulate
+from orchestrator import (
+    System,
+    simulate,
+)
 from orchestrator.ssp import write_ssp
-from tracktrain.hopper import hopper_car
+from tracktrain.car.hopper import hopper_car
 
 pytestmark = pytest.mark.xdist_group("engines")
 

@@ -7,7 +7,13 @@ from functools import cache
 import numpy as np
 from scipy.linalg import expm
 
-from orchestrator import Component, Connection, Mock, System, Tangent
+from orchestrator import (
+    Component,
+    Connection,
+    Mock,
+    System,
+    Tangent,
+)
 
 # Dual mass oscillator: OMSimulator test suite, DualMassOscillator.System1 and .System2.
 M1, K1, C1 = 1.0, 10.0, 0.2

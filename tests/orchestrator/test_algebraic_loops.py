@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 import tolerances
 
-from orchestrator import Component, Connection, Mock, OrchestratorError, System, simulate
+from orchestrator import (
+    Component,
+    Connection,
+    Mock,
+    OrchestratorError,
+    System,
+    simulate,
+)
 
 MASTERS = ("one-pass", "jacobi", "gauss-seidel", "iterated")
 

@@ -10,8 +10,14 @@ from pathlib import Path
 import pytest
 from native_slaves import DAMPER, description
 
-from orchestrator import Component, OrchestratorError, System, archive, simulate
-from orchestrator.archive import open_archive
+from orchestrator import (
+    Component,
+    OrchestratorError,
+    System,
+    simulate,
+)
+from orchestrator.fmu import archive
+from orchestrator.fmu.archive import open_archive
 
 XML = "modelDescription.xml"
 

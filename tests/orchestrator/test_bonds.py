@@ -9,7 +9,14 @@ import pytest
 import tolerances
 from coupled_mocks import M1, damped_mass, order, oscillator
 
-from orchestrator import Component, Connection, Mock, PowerBond, System, simulate
+from orchestrator import (
+    Component,
+    Connection,
+    Mock,
+    PowerBond,
+    System,
+    simulate,
+)
 
 
 def spring_and_mass() -> System:

@@ -80,7 +80,8 @@ RUN = """
 import sys
 sys.path[:0] = [{tests!r}]
 from test_checkpoint import SECONDS, STEP, wheelset_on_truck
-from orchestrator import recording, resume, simulate
+from orchestrator import resume, simulate
+from orchestrator.results import recording
 recording.FLUSH = 0.005
 def progress(t, wall):
     print(t, flush=True)

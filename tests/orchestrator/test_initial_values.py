@@ -9,7 +9,14 @@ import pytest
 import tolerances
 from coupled_mocks import oscillator
 
-from orchestrator import Component, Connection, Mock, OrchestratorError, System, simulate
+from orchestrator import (
+    Component,
+    Connection,
+    Mock,
+    OrchestratorError,
+    System,
+    simulate,
+)
 
 
 def gain(factor: float, offset: float = 0.0, declared: bool = True) -> Mock:

@@ -17,7 +17,13 @@ from coupled_mocks import oscillator
 from native_slaves import FIXED, archive, body, description, variable
 from test_checkpoint import interrupted_at, wheelset_on_truck
 
-from orchestrator import Component, OrchestratorError, System, resume, simulate
+from orchestrator import (
+    Component,
+    OrchestratorError,
+    System,
+    resume,
+    simulate,
+)
 from orchestrator.masters import MASTERS
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="isolation needs Linux or macOS")

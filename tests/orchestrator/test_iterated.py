@@ -14,7 +14,13 @@ from coupled_mocks import largest_displacement_error, order, oscillator, two_mas
 from test_checkpoint import wheelset_on_truck
 from typed_slaves import build_fmi2
 
-from orchestrator import Component, Connection, Mock, System, simulate
+from orchestrator import (
+    Component,
+    Connection,
+    Mock,
+    System,
+    simulate,
+)
 
 
 def changed(system: System, instance: str, **changes) -> System:

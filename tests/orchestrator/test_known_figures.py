@@ -14,7 +14,10 @@ from coupled_mocks import (
     two_springs,
 )
 
-from orchestrator import System, simulate
+from orchestrator import (
+    System,
+    simulate,
+)
 
 STEPS = (0.02, 0.01, 0.005, 0.0025)
 

@@ -7,7 +7,12 @@ import io
 import pytest
 from test_isolation import mishap, system
 
-from orchestrator import Log, OrchestratorError, log, simulate
+from orchestrator import (
+    Log,
+    OrchestratorError,
+    simulate,
+)
+from orchestrator.run import log
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,13 @@ import pytest
 import tolerances
 from coupled_mocks import damped_mass, damper, largest_displacement_error, order, oscillator
 
-from orchestrator import Component, Connection, Mock, System, simulate
+from orchestrator import (
+    Component,
+    Connection,
+    Mock,
+    System,
+    simulate,
+)
 
 MASTERS = ("one-pass", "jacobi")
 LBF = 4.4482216152605

@@ -155,8 +155,8 @@ def test_the_linear_model_solves_algebraic_loops():
 def settled_load(start) -> float:
     """The force, and so the load, at which the loop is at rest."""
     from fmus import BLOCKS
-    from fmus.parameters import parameter_set
-    from fmus.twin import Twin
+    from fmus.describe.parameters import parameter_set
+    from fmus.describe.twin import Twin
 
     block = BLOCKS["wheelrail"]()
     law = next(p.choices for p in block.parameters if p.name == "creep_law").index("polach") + 1

@@ -9,7 +9,14 @@ import pytest
 import tolerances
 from coupled_mocks import largest_displacement_error, order, oscillator
 
-from orchestrator import Component, Connection, Mock, OrchestratorError, System, simulate
+from orchestrator import (
+    Component,
+    Connection,
+    Mock,
+    OrchestratorError,
+    System,
+    simulate,
+)
 
 
 def seldom(system: System, **every: int) -> System:

@@ -19,7 +19,14 @@ from native_slaves import (
     library,
 )
 
-from orchestrator import Component, Connection, OrchestratorError, System, describe, simulate
+from orchestrator import (
+    Component,
+    Connection,
+    OrchestratorError,
+    System,
+    describe,
+    simulate,
+)
 
 
 @pytest.fixture(scope="module")

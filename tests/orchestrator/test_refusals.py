@@ -17,8 +17,8 @@ from orchestrator import (
     Variable,
     simulate,
 )
-from orchestrator.description import Description
-from orchestrator.values import resolve
+from orchestrator.fmu.description import Description
+from orchestrator.plan.start_values import resolve
 
 
 def refusal(system: System, **options) -> str:

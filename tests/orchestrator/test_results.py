@@ -10,8 +10,18 @@ import pytest
 import xarray as xr
 from coupled_mocks import damped_mass, oscillator
 
-from orchestrator import Component, Mock, OrchestratorError, System, simulate
-from orchestrator.metrics import dominant_frequency, peak, rms
+from orchestrator import (
+    Component,
+    Mock,
+    OrchestratorError,
+    System,
+    simulate,
+)
+from orchestrator.results.metrics import (
+    dominant_frequency,
+    peak,
+    rms,
+)
 
 
 def test_dataset_names_every_output_with_its_unit():

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from orchestrator import Session, simulate
-from tracktrain.hopper import hopper_car
+from orchestrator import (
+    Session,
+    simulate,
+)
+from tracktrain.car.hopper import hopper_car
 
 
 def test_runs_of_a_session_equal_runs_that_load_anew():
@@ -18,7 +21,7 @@ def test_runs_of_a_session_equal_runs_that_load_anew():
 
 
 def test_instances_are_loaded_once(monkeypatch):
-    from orchestrator import session as module
+    from orchestrator.slaves import session as module
 
     loaded = []
     own = module.load
@@ -30,7 +33,7 @@ def test_instances_are_loaded_once(monkeypatch):
 
 
 def test_what_cannot_be_used_again_is_loaded_anew(monkeypatch):
-    from orchestrator.slave import Fmi2Slave
+    from orchestrator.slaves.fmi2 import Fmi2Slave
 
     monkeypatch.setattr(Fmi2Slave, "reset", lambda self: False)
     with Session() as session:

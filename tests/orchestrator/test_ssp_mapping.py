@@ -6,8 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator import Linear, OrchestratorError, Table
-from orchestrator.ssp import MapEntry, read_mapping
+from orchestrator import (
+    Linear,
+    OrchestratorError,
+    Table,
+)
+from orchestrator.ssp import (
+    MapEntry,
+    read_mapping,
+)
 
 HEAD = (
     '<ssm:ParameterMapping version="{version}" '

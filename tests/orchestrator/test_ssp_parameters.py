@@ -23,7 +23,10 @@ from ssp_archives import (
     write,
 )
 
-from orchestrator import OrchestratorError, simulate
+from orchestrator import (
+    OrchestratorError,
+    simulate,
+)
 from orchestrator.ssp import read_ssp
 
 DAMPER, MASS = "resources/damper.fmu", "resources/mass.fmu"

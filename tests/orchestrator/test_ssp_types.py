@@ -20,8 +20,18 @@ from ssp_archives import (
 )
 from typed_slaves import build_fmi2, build_fmi3
 
-from orchestrator import Component, Connection, OrchestratorError, System, Table, simulate
-from orchestrator.ssp import read_ssp, write_ssp
+from orchestrator import (
+    Component,
+    Connection,
+    OrchestratorError,
+    System,
+    Table,
+    simulate,
+)
+from orchestrator.ssp import (
+    read_ssp,
+    write_ssp,
+)
 
 NOT = Table("Boolean", ((True, False),))
 """False has no entry, and stays as it is."""

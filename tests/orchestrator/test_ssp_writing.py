@@ -21,7 +21,10 @@ from orchestrator import (
     System,
     simulate,
 )
-from orchestrator.ssp import read_ssp, write_ssp
+from orchestrator.ssp import (
+    read_ssp,
+    write_ssp,
+)
 
 
 @pytest.fixture(scope="module")

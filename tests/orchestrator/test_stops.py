@@ -8,7 +8,13 @@ import signal
 import numpy as np
 import pytest
 
-from orchestrator import Component, Connection, Mock, System, simulate
+from orchestrator import (
+    Component,
+    Connection,
+    Mock,
+    System,
+    simulate,
+)
 
 
 def counter(fail=lambda time: None, output=lambda x: x) -> System:

@@ -16,8 +16,12 @@ import pytest
 import xarray as xr
 from coupled_mocks import damped_mass, oscillator
 
-from orchestrator import OrchestratorError, recording, simulate
+from orchestrator import (
+    OrchestratorError,
+    simulate,
+)
 from orchestrator.masters import MASTERS
+from orchestrator.results import recording
 
 ROWS = 64
 SMALL = 8 * 7 * ROWS
@@ -85,7 +89,8 @@ KILLED = """
 import sys, time
 sys.path.insert(0, {tests!r})
 from coupled_mocks import oscillator
-from orchestrator import recording, simulate
+from orchestrator import simulate
+from orchestrator.results import recording
 recording.FLUSH = 0.01
 def progress(t, wall):
     print(t, flush=True)
@@ -143,7 +148,7 @@ def test_full_disk_is_reported_and_what_fits_is_kept(tmp_path):
 def test_full_disk_that_does_not_take_compiled_code_is_no_matter(monkeypatch):
     from numba.core.caching import IndexDataCacheFile
 
-    from orchestrator.masters.tables import macro_loop
+    from orchestrator.masters.loop.tables import macro_loop
 
     tries = []
 
@@ -176,7 +181,7 @@ def test_flush_happens_while_there_is_room(tmp_path, monkeypatch):
 
 
 def test_interrupt_while_rows_are_written_loses_none(tmp_path, monkeypatch):
-    from orchestrator.results_file import ResultsFile
+    from orchestrator.results.netcdf import ResultsFile
 
     append = ResultsFile.append
 

@@ -11,7 +11,13 @@ from coupled_mocks import oscillator
 from native_slaves import build_damper, build_mass
 from test_isolation import mishap
 
-from orchestrator import Component, Connection, OrchestratorError, System, simulate
+from orchestrator import (
+    Component,
+    Connection,
+    OrchestratorError,
+    System,
+    simulate,
+)
 
 
 @pytest.fixture(scope="module")

@@ -20,7 +20,7 @@ from orchestrator import (
     Table,
     simulate,
 )
-from orchestrator.transformation import composed
+from orchestrator.system.transformation import composed
 
 
 def thermometer(unit: str) -> Mock:

@@ -8,7 +8,15 @@ import numpy as np
 import pytest
 from typed_slaves import TYPES, build_fmi2, build_fmi3, fmi2_description, fmi3_description
 
-from orchestrator import Component, Connection, Mock, OrchestratorError, System, describe, simulate
+from orchestrator import (
+    Component,
+    Connection,
+    Mock,
+    OrchestratorError,
+    System,
+    describe,
+    simulate,
+)
 
 INTEGERS = [name for name in TYPES if "Int" in name]
 
@@ -183,9 +191,9 @@ def test_inputs_move_along_a_line_in_both_versions(three):
 
 
 def test_directional_derivatives_of_array_elements(three):
-    from orchestrator.fmi3 import Fmi3Slave
-    from orchestrator.masters import ffi
-    from orchestrator.slave import unzip
+    from orchestrator.slaves import abi as ffi
+    from orchestrator.slaves.fmi3 import Fmi3Slave
+    from orchestrator.slaves.loading import unzip
 
     description = describe(three)
     slave = Fmi3Slave("a", description, unzip(three, description, three.parent / "unzipped"))

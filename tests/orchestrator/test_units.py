@@ -6,7 +6,12 @@ import pytest
 import tolerances
 
 from orchestrator.errors import UnitError
-from orchestrator.units import BaseUnit, conversion, quantity, scale_of
+from orchestrator.fmu.units import (
+    BaseUnit,
+    conversion,
+    quantity,
+    scale_of,
+)
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from tracktrain.cli import main
+from tracktrain.cli.main import main
 
 
 @pytest.fixture(scope="session")

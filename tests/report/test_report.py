@@ -14,11 +14,22 @@ import pytest
 import xarray as xr
 from click.testing import CliRunner
 
-from tracktrain.cli import main
+from tracktrain.car.shapes import (
+    COORDINATES,
+    unit_motions,
+    wire_frame,
+)
+from tracktrain.cli.main import main
 from tracktrain.report import page, series
-from tracktrain.report.motion import modes, scene
-from tracktrain.report.packing import envelope, envelope_time, packed
-from tracktrain.studies.mode_shapes import COORDINATES, unit_motions, wire_frame
+from tracktrain.report.motion import (
+    modes,
+    scene,
+)
+from tracktrain.report.packing import (
+    envelope,
+    envelope_time,
+    packed,
+)
 
 BODY = {
     "body_length": 13.0, "gravity_centre_height": 1.5, "body_mass": 9e4, "roll_inertia": 1e5,

@@ -8,11 +8,15 @@ import tolerances
 from click.testing import CliRunner
 
 from orchestrator import Session
-from tracktrain.cli import main
-from tracktrain.linear import LinearCar
+from tracktrain.car.linear import LinearCar
+from tracktrain.cli.main import main
 from tracktrain.scales import FOOT
-from tracktrain.studies.hunting import hunting
-from tracktrain.studies.hunting_runs import bisected, driven, on_perfect_track
+from tracktrain.studies.hunting.runs import (
+    bisected,
+    driven,
+    on_perfect_track,
+)
+from tracktrain.studies.hunting.study import hunting
 from tracktrain.studies.stability import critical_speeds
 
 YAW = np.deg2rad(0.005)
@@ -101,7 +105,7 @@ def test_the_command_draws_one_speed(tmp_path):
 
 
 def test_the_command_takes_the_ends_of_the_staircase():
-    from tracktrain.studies.hunting import command
+    from tracktrain.studies.hunting.study import command
 
     context = command.make_context("hunting", ["--staircase", "60 ft/s", "50 m/s"])
     assert context.params["staircase"] == (60 * FOOT, 50.0)

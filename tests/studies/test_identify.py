@@ -7,11 +7,14 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner
 
-from fmus.parameters import parameter_set
+from fmus.describe.parameters import parameter_set
 from fmus.truck import Truck
-from fmus.truck.identify import PARAMETERS, identify
+from fmus.truck.identify import (
+    PARAMETERS,
+    identify,
+)
 from fmus.truck.ports import ELEMENTS
-from tracktrain.cli import main
+from tracktrain.cli.main import main
 
 pytestmark = pytest.mark.xdist_group("identify")  # one worker makes what all share
 

@@ -7,11 +7,17 @@ import pytest
 import tolerances
 from click.testing import CliRunner
 
-from orchestrator import System, linearise
-from tracktrain.cli import main
-from tracktrain.hopper import hopper_car
+from orchestrator import (
+    System,
+    linearise,
+)
+from tracktrain.car.hopper import hopper_car
+from tracktrain.cli.main import main
 from tracktrain.scales import FOOT
-from tracktrain.studies.response import RESPONSES, response
+from tracktrain.studies.response.study import (
+    RESPONSES,
+    response,
+)
 
 SPEED = 40 * FOOT
 TINY = ("track", "report_rms", "1e-4 mm")

@@ -6,11 +6,19 @@ import numpy as np
 import pytest
 import tolerances
 
+from tracktrain.car.linear import LinearCar
 from tracktrain.errors import HopperError
-from tracktrain.linear import LinearCar
-from tracktrain.scales import FOOT, INCH, POUND_FORCE
+from tracktrain.scales import (
+    FOOT,
+    INCH,
+    POUND_FORCE,
+)
 from tracktrain.studies.sensitivity import sensitivity
-from tracktrain.studies.stability import critical_speeds, follow, stability
+from tracktrain.studies.stability import (
+    critical_speeds,
+    follow,
+    stability,
+)
 
 pytestmark = pytest.mark.xdist_group("stability")  # one worker makes what all share
 

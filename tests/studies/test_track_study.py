@@ -8,7 +8,7 @@ import tolerances
 from click.testing import CliRunner
 from scipy import stats
 
-from tracktrain.cli import main
+from tracktrain.cli.main import main
 from tracktrain.studies.track import track
 
 pytestmark = pytest.mark.xdist_group("track_study")  # one worker makes what all share

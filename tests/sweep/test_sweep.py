@@ -16,13 +16,21 @@ import xarray as xr
 from click.testing import CliRunner
 
 from orchestrator import simulate
-from orchestrator.metrics import dominant_frequency, peak, rms
-from tracktrain.cli import main
-from tracktrain.hopper import hopper_car
-from tracktrain.master_options import COUPLING
+from orchestrator.results.metrics import (
+    dominant_frequency,
+    peak,
+    rms,
+)
+from tracktrain.car.hopper import hopper_car
+from tracktrain.cli.main import main
+from tracktrain.options.master import COUPLING
 from tracktrain.scales import FOOT
 from tracktrain.sweep import sweep
-from tracktrain.sweep.axes import SweepError, make_axis, read_axis
+from tracktrain.sweep.axes import (
+    SweepError,
+    make_axis,
+    read_axis,
+)
 from tracktrain.sweep.grid import USUAL
 
 FORCE = "wheelset_11.force_y"

@@ -13,8 +13,11 @@ from reference.integration import Motion, integrate
 from reference.monolithic_car import MonolithicCar
 from reference.recurrence import CutCar, Scheme, growth_rate, leading_exponent
 
-from orchestrator import Run, simulate
-from tracktrain.hopper import hopper_car
+from orchestrator import (
+    Run,
+    simulate,
+)
+from tracktrain.car.hopper import hopper_car
 
 pytestmark = pytest.mark.xdist_group("coupled_car")
 DATA = {"loaded": LOADED, "empty": EMPTY, "report-linear": REPORT_LINEAR}

@@ -13,10 +13,18 @@ import tolerances
 
 from fmus.catalogue import fmu_path
 from fmus.export.python.flavor import build_python
-from orchestrator import Port, PortMap, resume, simulate
-from orchestrator.results import Run
-from tracktrain.changes import swapped
-from tracktrain.hopper import BLOCK_OF, hopper_car
+from orchestrator import (
+    Port,
+    PortMap,
+    resume,
+    simulate,
+)
+from orchestrator.results.run import Run
+from tracktrain.car.changes import swapped
+from tracktrain.car.hopper import (
+    BLOCK_OF,
+    hopper_car,
+)
 
 INSTANCES = tuple(BLOCK_OF)
 

@@ -13,8 +13,15 @@ from reference.integration import integrate
 from reference.monolithic_car import MonolithicCar
 
 from fmus.catalogue import fmu_path
-from orchestrator import linearise, monolith, simulate
-from tracktrain.hopper import BLOCK_OF, hopper_car
+from orchestrator import (
+    linearise,
+    monolith,
+    simulate,
+)
+from tracktrain.car.hopper import (
+    BLOCK_OF,
+    hopper_car,
+)
 
 DATA = {"loaded": LOADED, "empty": EMPTY, "report-linear": REPORT_LINEAR}
 

@@ -7,11 +7,20 @@ import random
 import pytest
 from coupled_mocks import damper, mass
 
-from orchestrator import Component, Connection, Mock, System, simulate
+from orchestrator import (
+    Component,
+    Connection,
+    Mock,
+    System,
+    simulate,
+)
 from orchestrator.trust import CHECKS
 from orchestrator.trust.self_test import self_test
 from orchestrator.trust.tested import self_tests
-from tracktrain.hopper import BLOCK_OF, hopper_car
+from tracktrain.car.hopper import (
+    BLOCK_OF,
+    hopper_car,
+)
 
 
 def checked(**mock):

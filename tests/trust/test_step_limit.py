@@ -8,7 +8,7 @@ import tolerances
 from coupled_mocks import damped_mass
 
 from orchestrator import simulate
-from tracktrain.hopper import hopper_car
+from tracktrain.car.hopper import hopper_car
 
 DAMPING = 100.0
 """Of a unit mass [N.s/m]."""

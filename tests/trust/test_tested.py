@@ -14,9 +14,17 @@ from native_slaves import DAMPER, archive, build_damper, description, library
 from test_isolation import KINDS, mishap
 
 from fmus.catalogue import fmu_path
-from orchestrator import Component, System, simulate
-from orchestrator.trust import CHECKS, self_tests, tested
-from tracktrain.cli import main
+from orchestrator import (
+    Component,
+    System,
+    simulate,
+)
+from orchestrator.trust import (
+    CHECKS,
+    self_tests,
+    tested,
+)
+from tracktrain.cli.main import main
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="the tests' own FMUs need a compiler")
 

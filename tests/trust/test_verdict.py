@@ -5,9 +5,16 @@ from __future__ import annotations
 import pytest
 
 from orchestrator import BondResidual
-from orchestrator.trust import Evidence, Finding, SelfTest
-from orchestrator.trust.refinement import Error, Refinement
-from orchestrator.trust.step_limit import StepLimit
+from orchestrator.trust import (
+    Evidence,
+    Finding,
+    SelfTest,
+)
+from orchestrator.trust.findings import (
+    Error,
+    Refinement,
+    StepLimit,
+)
 from orchestrator.trust.verdict import judge
 
 PASSED = {"a": SelfTest("a.fmu", ("rollback",))}

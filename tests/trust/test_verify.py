@@ -7,8 +7,14 @@ import pytest
 import tolerances
 from coupled_mocks import damped_mass, oscillator, oscillator_reference
 
-from orchestrator import Component, Connection, Mock, System, verify
-from tracktrain.hopper import hopper_car
+from orchestrator import (
+    Component,
+    Connection,
+    Mock,
+    System,
+    verify,
+)
+from tracktrain.car.hopper import hopper_car
 
 STEP = 0.01
 

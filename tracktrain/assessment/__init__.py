@@ -7,7 +7,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .rules import NotApplicableError, Rule, from_si, rules
+from .rules import (
+    NotApplicableError,
+    Rule,
+    from_si,
+    rules,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -56,7 +61,10 @@ def _row(car: Car | NotApplicableError, rule: Rule) -> dict[str, object]:
 
 
 def _found(car: Car | NotApplicableError, rule: Rule) -> dict[str, object]:
-    from .criteria import LIMITS, MEASURES
+    from .criteria import (
+        LIMITS,
+        MEASURES,
+    )
 
     if isinstance(car, NotApplicableError):
         raise car

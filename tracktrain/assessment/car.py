@@ -10,8 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-from ..hopper import WHEELSETS
-from .rules import Band, NotApplicableError, Rule
+from ..car.hopper import WHEELSETS
+from .rules import (
+    Band,
+    NotApplicableError,
+    Rule,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -126,7 +130,7 @@ class Car:
     def _dominant(self, values: Array) -> float:
         import xarray as xr
 
-        from orchestrator.metrics import dominant_frequency
+        from orchestrator.results.metrics import dominant_frequency
 
         found = dominant_frequency(xr.DataArray(values, {"time": self.time}, ["time"]))
         if np.isnan(found):

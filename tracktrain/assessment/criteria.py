@@ -10,11 +10,29 @@ from math import tan
 
 import numpy as np
 
-from ..hopper import TRUCKS, WHEELSETS
+from ..car.hopper import (
+    TRUCKS,
+    WHEELSETS,
+)
 from . import windows
-from .car import SIDES, Array, Car
-from .rules import NotApplicableError, Rule, parameter, to_si
-from .weighting import LEAST_RATE, W_D, W_K, Weighting, sperling
+from .car import (
+    SIDES,
+    Array,
+    Car,
+)
+from .rules import (
+    NotApplicableError,
+    Rule,
+    parameter,
+    to_si,
+)
+from .weighting import (
+    LEAST_RATE,
+    W_D,
+    W_K,
+    Weighting,
+    sperling,
+)
 
 Found = Iterator[tuple[str, float]]
 Measure = Callable[[Car, Rule], Found]

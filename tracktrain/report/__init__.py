@@ -11,8 +11,15 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import content, motion, series
-from .packing import compressed, packed
+from . import (
+    content,
+    motion,
+    series,
+)
+from .packing import (
+    compressed,
+    packed,
+)
 
 if TYPE_CHECKING:
     import pandas as pd

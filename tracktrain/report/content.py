@@ -10,15 +10,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..assessment import EXCEEDED, PASSED
-from ..hopper import BLOCK_OF
-from ..scales import FOOT, MILE_PER_HOUR, three_digits
+from ..assessment import (
+    EXCEEDED,
+    PASSED,
+)
+from ..car.hopper import BLOCK_OF
+from ..scales import (
+    FOOT,
+    MILE_PER_HOUR,
+    three_digits,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from fmus.parameters import Entry
+    from fmus.describe.parameters import Entry
 
 
 @dataclass(frozen=True)
@@ -127,7 +134,10 @@ def _entry(
     dataset: xr.Dataset, instance: str, name: str, value: object
 ) -> tuple[Entry | None, bool]:
     """The published number that a value is, by the parameter set that has it; or that none is."""
-    from fmus.parameters import PARAMETER_SETS, parameter_set
+    from fmus.describe.parameters import (
+        PARAMETER_SETS,
+        parameter_set,
+    )
 
     block = BLOCK_OF.get(instance)
     known = False

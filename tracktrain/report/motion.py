@@ -10,8 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..hopper import BLOCK_OF, TRUCKS
-from ..studies.mode_shapes import COORDINATES, unit_motions
+from ..car.hopper import (
+    BLOCK_OF,
+    TRUCKS,
+)
+from ..car.shapes import (
+    COORDINATES,
+    unit_motions,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -70,7 +76,7 @@ def modes(dataset: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, Array]] 
     The array `modes` (modes, 2, coordinates) has the real and imaginary parts of their shapes. None
     where the run does not have the parameters of the blocks.
     """
-    from ..linear import LinearCar
+    from ..car.linear import LinearCar
     from ..studies.stability import name_of
 
     if "track.speed_out" not in dataset:

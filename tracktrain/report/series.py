@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .packing import envelope, envelope_time
+from .packing import (
+    envelope,
+    envelope_time,
+)
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -10,12 +10,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..car_options import car_option, fmu_option
+from ..cli.study import study_command
+from ..options.car import (
+    car_option,
+    fmu_option,
+)
 from ..terminal import Progress
-from .command import study_command
 from .outcome import Outcome
-from .rig import Signals, completed, rig, run_on_rig, under_test
-from .ringdown import oscillation, separable
+from .rig import (
+    Signals,
+    completed,
+    rig,
+    run_on_rig,
+    under_test,
+)
+from .ringdown import (
+    oscillation,
+    separable,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,7 +35,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from orchestrator import Run
-    from orchestrator.system import Value
+    from orchestrator.system.system import Value
 
 SWEEP, TAIL, DWELL, DECAY = 40.0, 12.0, 3.0, 4.0
 """Duration of the sweep, of the silence after it, of the dwell and of the decay [s]."""
@@ -116,7 +128,7 @@ def carbody_survey(
     (4-20) to (4-23). `fmu` is a carbody to survey instead of ours.
     """
     from fmus.carbody import Carbody
-    from fmus.parameters import parameter_set
+    from fmus.describe.parameters import parameter_set
 
     values = parameter_set(car).values(Carbody())
     place, given = under_test(car, "carbody", fmu)
@@ -352,7 +364,12 @@ def _transfer_figure(
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    from ..plots import BLUE, MUTED, RED, STYLE
+    from ..plots import (
+        BLUE,
+        MUTED,
+        RED,
+        STYLE,
+    )
 
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.0, 9.0), layout="constrained")
@@ -388,7 +405,11 @@ def _decay_figure(found: Sequence[Found]) -> Figure:
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    from ..plots import BLUE, RED, STYLE
+    from ..plots import (
+        BLUE,
+        RED,
+        STYLE,
+    )
 
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.0, 8.0), layout="constrained")

@@ -9,8 +9,11 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from ..errors import TracktrainError, choices
-from .command import study_command
+from ..cli.study import study_command
+from ..errors import (
+    TracktrainError,
+    choices,
+)
 from .outcome import Outcome
 
 if TYPE_CHECKING:
@@ -143,7 +146,12 @@ def _figure(
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    from ..plots import INK, MUTED, RED, STYLE
+    from ..plots import (
+        INK,
+        MUTED,
+        RED,
+        STYLE,
+    )
 
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.0, 4.2), layout="constrained")

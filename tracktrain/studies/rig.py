@@ -10,8 +10,11 @@ from ..errors import TracktrainError
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from orchestrator import Mock, Run
-    from orchestrator.system import Value
+    from orchestrator import (
+        Mock,
+        Run,
+    )
+    from orchestrator.system.system import Value
 
 Signals = Mapping[str, float]
 
@@ -50,8 +53,8 @@ def under_test(car: str, instance: str, fmu: Path | None) -> tuple[Path, Mapping
     """The FMU of an instance of the car, or `fmu` in its place, and the values that it is given."""
     from pathlib import Path
 
-    from ..changes import swapped
-    from ..hopper import hopper_car
+    from ..car.changes import swapped
+    from ..car.hopper import hopper_car
 
     system = hopper_car(car)
     if fmu is not None:
@@ -75,7 +78,12 @@ def run_on_rig(
     step: float = 1e-3,
 ) -> Run:
     """Run an FMU `unit` on a rig `rig`: ports of the same name are connected."""
-    from orchestrator import Component, Connection, System, simulate
+    from orchestrator import (
+        Component,
+        Connection,
+        System,
+        simulate,
+    )
 
     system = System(
         {"unit": Component(fmu, parameters), "rig": Component(stand)},

@@ -8,18 +8,33 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..car_options import car_option, friction_option, speed_option
-from ..scales import FOOT, MILE_PER_HOUR
-from .command import study_command
+from ..cli.study import study_command
+from ..options.car import (
+    car_option,
+    friction_option,
+    speed_option,
+)
+from ..scales import (
+    FOOT,
+    MILE_PER_HOUR,
+)
 from .outcome import Outcome
-from .stability import SPEEDS, critical_speeds, linear_car, name_of
+from .stability import (
+    SPEEDS,
+    critical_speeds,
+    linear_car,
+    name_of,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from ..linear import LinearCar, Parameter
+    from ..car.linear import (
+        LinearCar,
+        Parameter,
+    )
 
 BARS = 16
 """Parameters in the picture."""
@@ -159,7 +174,12 @@ def _figure(table: pd.DataFrame, title: str) -> Figure:
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    from ..plots import BLUE, INK, RED, STYLE
+    from ..plots import (
+        BLUE,
+        INK,
+        RED,
+        STYLE,
+    )
 
     top = table.head(BARS)[::-1]
     values = top["growth [1/s]"]

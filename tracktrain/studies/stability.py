@@ -11,19 +11,28 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from ..car_options import (
+from ..car.hopper import (
+    BLOCK_OF,
+    hopper_car,
+)
+from ..cli.study import study_command
+from ..options.car import (
     car_option,
     friction_option,
     speed_option,
     speeds_option,
     swap_option,
 )
-from ..hopper import BLOCK_OF, hopper_car
-from ..scales import FOOT, MILE_PER_HOUR
+from ..scales import (
+    FOOT,
+    MILE_PER_HOUR,
+)
 from ..terminal import Progress
-from .command import study_command
 from .outcome import Outcome
-from .ringdown import Oscillation, oscillation
+from .ringdown import (
+    Oscillation,
+    oscillation,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,8 +41,11 @@ if TYPE_CHECKING:
 
     from orchestrator import System
 
-    from ..linear import Complex, LinearCar
-    from .mode_shapes import Line
+    from ..car.linear import (
+        Complex,
+        LinearCar,
+    )
+    from ..car.shapes import Line
 
 SPEEDS = (20.0, 140.0)
 """Speeds between which the eigenvalues are followed [ft/s], as report Figure 7-14 and beyond."""
@@ -102,8 +114,11 @@ def stability(
     the growth is also identified from a run of the FMUs; `swaps` are other FMUs for that run, by
     instance. The modes are drawn at `drawn_speed` [m/s].
     """
-    from ..linear import LinearCar
-    from .mode_shapes import animate_mode, draw_mode
+    from ..car.linear import LinearCar
+    from ..car.shapes import (
+        animate_mode,
+        draw_mode,
+    )
 
     grid = np.asarray(
         speeds if speeds is not None else np.arange(SPEEDS[0], SPEEDS[1] + 1, 2) * FOOT
@@ -156,7 +171,7 @@ Examples:
 
 def linear_car(car: str, friction: str, changes: Mapping[str, float] | None) -> LinearCar:
     """The car; its dampers are made for the frequency that it hunts at. # report (7-7)"""
-    from ..linear import LinearCar
+    from ..car.linear import LinearCar
 
     if friction != "damper":
         return LinearCar(car, changes, friction)
@@ -256,7 +271,7 @@ def _kicked(system: System) -> str:
 
 
 def _swapped(system: System, swaps: Mapping[str, Path]) -> System:
-    from ..changes import swapped
+    from ..car.changes import swapped
 
     for instance, path in swaps.items():
         system, _ = swapped(system, instance, path)
@@ -326,7 +341,7 @@ def _ring_down_table(
 
 def _drawn(linear: LinearCar, speed: float, word: str) -> tuple[list[Line], str]:
     """Lines and title of the slowest mode with at least half of the largest share of a motion."""
-    from .mode_shapes import wire_frame
+    from ..car.shapes import wire_frame
 
     coordinate = next(c for c, name in NAMES.items() if name == word)
     roots, shapes = linear.modes(speed)
@@ -368,7 +383,12 @@ def _figure(branches: Sequence[Branch], speeds: np.ndarray, friction: str) -> Fi
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    from ..plots import MUTED, RED, STYLE, conversion
+    from ..plots import (
+        MUTED,
+        RED,
+        STYLE,
+        conversion,
+    )
 
     slow = [b for b in branches if b.frequency.mean() < 12.0]
     with mpl.rc_context(STYLE):

@@ -8,11 +8,23 @@ import click
 import matplotlib as mpl
 import numpy as np
 
-from ..car_options import seed_option, track_option
-from ..options import Quantity
-from ..plots import BLUE, INK, MUTED, STYLE, conversion
-from ..scales import DISPLACEMENT, FOOT
-from .command import study_command
+from ..cli.study import study_command
+from ..options.car import (
+    seed_option,
+    track_option,
+)
+from ..options.types import Quantity
+from ..plots import (
+    BLUE,
+    INK,
+    MUTED,
+    STYLE,
+    conversion,
+)
+from ..scales import (
+    DISPLACEMENT,
+    FOOT,
+)
 from .outcome import Outcome
 
 if TYPE_CHECKING:
@@ -83,9 +95,13 @@ def _rails(track: str, seed: int, length: float) -> xr.Dataset:
     import xarray as xr
 
     from fmus.track.irregularity import SPACING
-    from orchestrator import Component, System, simulate
+    from orchestrator import (
+        Component,
+        System,
+        simulate,
+    )
 
-    from ..hopper import hopper_car
+    from ..car.hopper import hopper_car
 
     component = hopper_car(speed=SPEED, track=track, seed=seed).components["track"]
     values = {**component.parameters, "fade_length": 0.0}
@@ -110,7 +126,7 @@ def _rails(track: str, seed: int, length: float) -> xr.Dataset:
 
 def _band(track: str) -> tuple[float, float]:
     """Lowest and highest frequency [cycle/m] of the lines."""
-    from fmus.parameters import parameter_set
+    from fmus.describe.parameters import parameter_set
     from fmus.track import Track
     from fmus.track.irregularity import LINES
     from fmus.track.spectra import grid_spacing
@@ -128,9 +144,16 @@ def _target(track: str, frequency: np.ndarray, band: tuple[float, float]) -> xr.
     """
     import xarray as xr
 
-    from fmus.parameters import parameter_set
+    from fmus.describe.parameters import parameter_set
     from fmus.track import Track
-    from fmus.track.spectra import CHANNELS, SPECTRA, amplitudes, band_variance, corners, density
+    from fmus.track.spectra import (
+        CHANNELS,
+        SPECTRA,
+        amplitudes,
+        band_variance,
+        corners,
+        density,
+    )
 
     name = track.replace("-", "_")
     number = SPECTRA.index(name)

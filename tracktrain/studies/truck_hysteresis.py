@@ -12,13 +12,25 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from ..car_options import car_option, fmu_option
-from ..options import Name
-from ..scales import INCH, POUND_FORCE
+from ..cli.study import study_command
+from ..options.car import (
+    car_option,
+    fmu_option,
+)
+from ..options.types import Name
+from ..scales import (
+    INCH,
+    POUND_FORCE,
+)
 from ..terminal import Progress
-from .command import study_command
 from .outcome import Outcome
-from .rig import Signals, completed, rig, run_on_rig, under_test
+from .rig import (
+    Signals,
+    completed,
+    rig,
+    run_on_rig,
+    under_test,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -81,7 +93,7 @@ def truck_hysteresis(
     cycle [s]. The rig holds the axles, sets the load by the height of the carbody, and moves the
     carbody or, for warp, the axles. `fmu` is a truck to test instead of ours.
     """
-    from fmus.parameters import parameter_set
+    from fmus.describe.parameters import parameter_set
     from fmus.truck import Truck
 
     values = parameter_set(car).values(Truck())
@@ -351,7 +363,14 @@ def _figure(cycles: Sequence[Cycle]) -> Figure:
 
     from fmus.truck.ports import ELEMENTS
 
-    from ..plots import BLUE, GREEN, PURPLE, RED, STYLE, conversion
+    from ..plots import (
+        BLUE,
+        GREEN,
+        PURPLE,
+        RED,
+        STYLE,
+        conversion,
+    )
 
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.0, 6.8), layout="constrained")

@@ -12,20 +12,32 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from ..car_options import car_option, fmu_option
+from ..cli.study import study_command
+from ..options.car import (
+    car_option,
+    fmu_option,
+)
 from ..scales import FOOT
-from .command import study_command
 from .outcome import Outcome
-from .rig import completed, under_test
-from .ringdown import Oscillation, oscillation
+from .rig import (
+    completed,
+    under_test,
+)
+from .ringdown import (
+    Oscillation,
+    oscillation,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
     from fmus.wheelrail.rig import Restraint
-    from orchestrator import Mock, Run
-    from orchestrator.system import Value
+    from orchestrator import (
+        Mock,
+        Run,
+    )
+    from orchestrator.system.system import Value
 
 LATERAL_STIFFNESS, YAW_STIFFNESS = 2e6, 2e6
 """Of the springs to the ground [N/m, N.m/rad]; assumed, those of a published closed-form case."""
@@ -68,7 +80,7 @@ def wheelset(
     """
     import xarray as xr
 
-    from fmus.parameters import parameter_set
+    from fmus.describe.parameters import parameter_set
     from fmus.truck import Truck
     from fmus.wheelrail import WheelRail, rig
 
@@ -171,7 +183,12 @@ class _Stand:
 
     def run(self, frame: Frame, speed: float, duration: float) -> Run:
         """Roll from a yaw of 0.1 mrad at a speed [m/s] for a time [s]."""
-        from orchestrator import Component, Connection, System, simulate
+        from orchestrator import (
+            Component,
+            Connection,
+            System,
+            simulate,
+        )
 
         axles = range(1, len(frame.stations) + 1)
         rolling = {**self.parameters, "speed": speed}
@@ -196,7 +213,10 @@ def _mass_on_wheelsets(frame: Frame) -> Mock:
     """The frame as a component: exact under loads linear in time and in its motion."""
     from scipy.linalg import expm
 
-    from orchestrator import Mock, Tangent
+    from orchestrator import (
+        Mock,
+        Tangent,
+    )
 
     axles = range(1, len(frame.stations) + 1)
     inverse = np.diag([1 / frame.mass, 1 / frame.inertia])
@@ -325,7 +345,12 @@ def _path_figure(paths: Mapping[str, Run], formula: Mapping[str, float]) -> Figu
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    from ..plots import BLUE, MUTED, RED, STYLE
+    from ..plots import (
+        BLUE,
+        MUTED,
+        RED,
+        STYLE,
+    )
 
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.0, 4.4), layout="constrained")
@@ -347,7 +372,12 @@ def _growth_figure(
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    from ..plots import BLUE, MUTED, RED, STYLE
+    from ..plots import (
+        BLUE,
+        MUTED,
+        RED,
+        STYLE,
+    )
 
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.0, 3.2), layout="constrained")

@@ -7,11 +7,19 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..changes import assigned
-from ..errors import TracktrainError, choices
-from ..hopper import BLOCK_OF, CARS, TRACKS, hopper_car
-from ..master_options import MASTERS
-from ..options import NUMBER_THEN_UNIT
+from ..car.changes import assigned
+from ..car.hopper import (
+    BLOCK_OF,
+    CARS,
+    TRACKS,
+    hopper_car,
+)
+from ..errors import (
+    TracktrainError,
+    choices,
+)
+from ..options.master import MASTERS
+from ..options.types import NUMBER_THEN_UNIT
 
 if TYPE_CHECKING:
     from orchestrator import System
@@ -208,7 +216,7 @@ def _converted(axis: Axis, value: Any) -> float:
     """A speed or a time [SI]; raises SweepError for what measures something else."""
     import click
 
-    from ..options import Quantity
+    from ..options.types import Quantity
 
     if isinstance(value, str):
         raise SweepError(f"{axis.name}={value} is no number with a unit, as in {EXAMPLE}")

@@ -11,7 +11,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import xarray as xr
 
-    from orchestrator import Run, Session
+    from orchestrator import (
+        Run,
+        Session,
+    )
 
 Row = dict[str, Any]
 
@@ -44,9 +47,9 @@ def run_one(options: Mapping[str, Any], outputs: Sequence[str], reuse: bool = Tr
     """
     from orchestrator import simulate
 
-    from ..chosen import chosen_car
     from ..failures import PACKAGES
-    from ..master_options import COUPLING
+    from ..options.chosen import chosen_car
+    from ..options.master import COUPLING
 
     begin = time.perf_counter()
     car = {name: value for name, value in options.items() if name not in COUPLING}
@@ -71,7 +74,11 @@ def run_one(options: Mapping[str, Any], outputs: Sequence[str], reuse: bool = Tr
 
 
 def _numbers(run: Run, outputs: Sequence[str]) -> Row:
-    from orchestrator.metrics import dominant_frequency, peak, rms
+    from orchestrator.results.metrics import (
+        dominant_frequency,
+        peak,
+        rms,
+    )
 
     data = run.dataset
     row: Row = {"units": {}}

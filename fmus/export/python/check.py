@@ -6,10 +6,13 @@ import random
 from collections import Counter
 from collections.abc import Iterator, Mapping
 
+from ...describe.variables import limits
 from ...model import Model
-from ...stored import from_bytes, to_bytes
-from ...variables import limits
-from ..units import base_exponents
+from ...python.stored import (
+    from_bytes,
+    to_bytes,
+)
+from ..xml.units import base_exponents
 from .sources import PackError
 
 STEP = 1e-3

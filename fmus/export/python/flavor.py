@@ -5,15 +5,30 @@ from __future__ import annotations
 from pathlib import Path
 
 from ... import BLOCKS
-from ...parameters import DEFAULT_SET, parameter_set
-from ...twin import TwinModel
+from ...describe.parameters import (
+    DEFAULT_SET,
+    parameter_set,
+)
+from ...describe.twin import TwinModel
 from ..accompanying import accompanying_files
 from ..archive import NO_GUID
 from ..build import VERSION
-from ..dependencies import dependencies, initial_dependencies
-from ..description import described, ours
-from .assembly import Recipe, write
-from .sources import FMUS, Sources
+from ..dependencies import (
+    dependencies,
+    initial_dependencies,
+)
+from ..xml.description import (
+    described,
+    ours,
+)
+from .assembly import (
+    Recipe,
+    write,
+)
+from .sources import (
+    FMUS,
+    Sources,
+)
 
 
 def build_python(name: str, out: Path) -> Path:
@@ -24,7 +39,7 @@ def build_python(name: str, out: Path) -> Path:
     start = parameters.values(block)
     sources = Sources()
     module = f"fmus.{name}"
-    for needed in ("fmus.slave", "fmus.twin", module):
+    for needed in ("fmus.python.slave", "fmus.describe.twin", module):
         sources.add(needed)
     sources.add_data(FMUS / name, f"fmus/{name}", "*")
     recipe = Recipe(
@@ -34,7 +49,7 @@ def build_python(name: str, out: Path) -> Path:
         model=kind.__name__,
         create=f"TwinModel({kind.__name__}, self.start_values)",
         start=start,
-        imports={"fmus.twin": "TwinModel"},
+        imports={"fmus.describe.twin": "TwinModel"},
     )
     outputs = {v.name for v in block.outputs}
     now, at_start = (

@@ -11,15 +11,22 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 
-from ... import model, variables
+from ... import model
+from ...describe import variables
 from ...model import Model
 from ..archive import NO_GUID
 from ..build import VERSION
-from ..description import described
 from ..documentation import documentation
-from .assembly import Recipe, write
+from ..xml.description import described
+from .assembly import (
+    Recipe,
+    write,
+)
 from .check import check
-from .sources import PackError, Sources
+from .sources import (
+    PackError,
+    Sources,
+)
 
 
 def pack(project: Path, out: Path) -> Path:
@@ -30,7 +37,7 @@ def pack(project: Path, out: Path) -> Path:
     """
     file = _model_file(project)
     sources = Sources(project=file.parent)
-    for needed in ("fmus.slave", "fmus.model", file.stem):
+    for needed in ("fmus.python.slave", "fmus.model", file.stem):
         sources.add(needed)
     sources.add_data(file.parent / "data", "data")
     with _imported(sources, file) as module:

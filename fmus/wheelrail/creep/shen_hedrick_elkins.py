@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import casadi as ca
 
-from .contact import TINY, Contact
+from .contact import (
+    TINY,
+    Contact,
+)
 from .kalker import kalker
 
 

@@ -1,0 +1,1 @@
+"""What blocks are described with: variables, blocks, terminals, parameters, units, twins."""

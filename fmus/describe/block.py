@@ -1,0 +1,371 @@
+"""What a building block of the car is: ports, parameters and equations, each stated once.
+
+A block's equations are CasADi expressions. From them come the native FMU (generated C), the
+Python twin, the exact directional derivatives and the declared dependencies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from .terminals import Terminal
+from .variables import (
+    Array,
+    Constant,
+    Input,
+    Output,
+    Parameter,
+    Tangent,
+    Variable,
+)
+
+Signals = Mapping[str, ca.SX]
+"""Symbols or expressions by name: scalars, or for derived constants matrices of any shape."""
+
+STEADY = 1e30
+"""Largest micro step [s] of a block whose step is exact or which has no dynamics."""
+
+
+@dataclass(frozen=True)
+class State(Variable):
+    """A state of the block; `memory` changes at events and after completed steps only.
+
+    A continuous state is an output of the same name as well. Continuous states come first.
+    """
+
+    memory: bool = False
+
+
+@dataclass(frozen=True)
+class Table:
+    """Functions of one coordinate on a regular grid, made page by page when first needed.
+
+    spacing: distance between nodes, in the coordinate's unit.
+    page: CasADi function (page index, derived constants) -> nodes, shape
+        (values, nodes_per_page); node n of page m stands at (m*nodes_per_page + n)*spacing.
+    station_count: number of places that the outputs look up at a time.
+
+    The outputs receive, for each station, a column of 1 + 2*values numbers: the fraction of the
+    way between the two nodes around the station, the left node's values, the right node's.
+    """
+
+    spacing: float
+    nodes_per_page: int
+    values: int
+    station_count: int
+    page: ca.Function
+
+    @property
+    def rows(self) -> int:
+        return 1 + 2 * self.values
+
+
+class Block:
+    """A building block. Subclasses state ports, parameters, and equations as expressions."""
+
+    name: str
+    description: str
+    parameters: Sequence[Parameter]
+    inputs: Sequence[Input]
+    outputs: Sequence[Output]
+    states: Sequence[State] = ()
+    modes: Sequence[Variable] = ()
+    constants: Sequence[Constant] = ()
+    arrays: Sequence[Array] = ()
+    tangents: Sequence[Tangent] = ()
+    terminals: Sequence[Terminal] = ()
+    table: Table | None = None
+    switch: str | None = None
+
+    def derived_function(self) -> ca.Function:
+        """CasADi function of the parameter vector giving the derived constants, one vector each.
+
+        Override for constants that need loops (MX); otherwise state `derived`.
+        """
+        p = _symbols(self.parameters)
+        values = self.derived(p)
+        return ca.Function("derived", [_vector(p)], [_flat(values)])
+
+    def derived_shapes(self) -> dict[str, tuple[int, int]]:
+        """Name and shape of each derived constant, in order."""
+        return self._derived_shapes
+
+    @cached_property
+    def _derived_shapes(self) -> dict[str, tuple[int, int]]:
+        values = self.derived(_symbols(self.parameters))
+        return {name: ca.SX(value).shape for name, value in values.items()}
+
+    def derived(self, p: Signals) -> Signals:
+        """Constants that follow from the parameters, computed when these change."""
+        return {}
+
+    def constant(self, p: Signals, d: Signals) -> Signals:
+        """The constants that a user can read."""
+        return {}
+
+    def initial(self, p: Signals, d: Signals, u: Signals) -> Signals:
+        """States at the start of the run."""
+        return {}
+
+    def largest_step(self, x: Signals, u: Signals, p: Signals, d: Signals) -> ca.SX:
+        """Largest micro step [s] that keeps the integration stable and accurate."""
+        return ca.SX(STEADY)
+
+    def step(
+        self, x: Signals, u: Signals, rate: Signals, p: Signals, d: Signals, h: ca.SX
+    ) -> tuple[Signals, Signals]:
+        """States, and inputs that differ from u + rate*h, after one micro step h [s].
+
+        u are the inputs at the start of the micro step, `rate` their time derivatives. The second
+        mapping may be empty; it holds inputs that follow the block's own motion (tangents).
+        """
+        return {}, {}
+
+    def output(
+        self, x: Signals, u: Signals, p: Signals, d: Signals, lookup: ca.SX | None
+    ) -> Signals:
+        """Outputs at a communication point. lookup: (rows, stations) of the table, if any.
+
+        Every block states this, or overrides `output_function`.
+        """
+        raise NotImplementedError
+
+    def output_function(self) -> ca.Function | None:
+        """CasADi function (x, u, p, d, lookup) -> y of vectors, for outputs with branches (MX).
+
+        None: the outputs are what `output` states.
+        """
+        return None
+
+    def output_branches(self) -> Sequence[ca.Function]:
+        """The functions (x, u, p, d, lookup) -> y among which the parameter `switch` chooses.
+
+        What an output depends on is read off them, since a choice hides its own sparsity.
+        """
+        return [self.functions.outputs]
+
+    def derivative(self, x: Signals, u: Signals, p: Signals, d: Signals) -> Signals:
+        """Time derivatives of the continuous states, the memory as it is."""
+        return {}
+
+    def event_indicators(
+        self, x: Signals, u: Signals, p: Signals, d: Signals, mode: Signals
+    ) -> Signals:
+        """Expressions by a name for each, that change sign where an integrator has to stop.
+
+        `modes` are whole numbers, 0 at the start, that choose what the indicators watch.
+        """
+        return {}
+
+    def memory_after(
+        self, x: Signals, u: Signals, p: Signals, d: Signals, mode: Signals
+    ) -> tuple[Signals, Signals]:
+        """Memory states and modes at an event or after a completed step, from those before it."""
+        return {}, {}
+
+    def stations(self, x: Signals, u: Signals, p: Signals, d: Signals) -> ca.SX:
+        """Coordinates at which the table is looked up, shape (stations,)."""
+        return ca.SX(0, 1)
+
+    @property
+    def continuous(self) -> Sequence[State]:
+        """The states that an integrator of Model Exchange integrates."""
+        return [state for state in self.states if not state.memory]
+
+    @property
+    def memory(self) -> Sequence[State]:
+        return [state for state in self.states if state.memory]
+
+    @property
+    def derivatives(self) -> Sequence[Output]:
+        """The time derivative of each continuous state: an output, or a variable of its own."""
+        rates = {output.derivative_of: output for output in self.outputs}
+        return [rates.get(state.name) or _derivative_of(state) for state in self.continuous]
+
+    @property
+    def locals(self) -> Sequence[Variable]:
+        """Variables that are no ports: derivatives that are no outputs, then the memory."""
+        own = [v for v in self.derivatives if v not in self.outputs]
+        return [*own, *self.memory]
+
+    @property
+    def indicators(self) -> list[str]:
+        """Names of the event indicators, in their order."""
+        groups = (self.states, self.inputs, self.parameters, self.modes)
+        x, u, p, mode = (_symbols(variables) for variables in groups)
+        d = {name: ca.SX(*shape) for name, shape in self.derived_shapes().items()}
+        return list(self.event_indicators(x, u, p, d, mode))
+
+    @property
+    def references(self) -> dict[str, int]:
+        """FMI's value reference of each variable by name, in their order; 0 is the time."""
+        groups = (self.parameters, self.inputs, self.outputs, self.locals, self.constants)
+        return {v.name: n for n, v in enumerate((v for g in groups for v in g), start=1)}
+
+    @cached_property
+    def functions(self) -> Functions:
+        """The block's numerical functions, built once."""
+        return Functions(self)
+
+    def parameter_vector(self, values: Mapping[str, float]) -> np.ndarray:
+        """Parameter values in the block's order [SI]; raises KeyError for a missing one."""
+        return np.array([float(values[v.name]) for v in self.parameters])
+
+
+class Functions:
+    """A block's expressions as flat CasADi functions of vectors, in the order of its variables.
+
+    derived(p) -> d
+    constants(p, d) -> c
+    initial(p, d, u) -> x
+    largest_step(x, u, p, d) -> h [s]
+    step(x, u, rate, p, d, h) -> x, u at the end of the micro step
+    stations(x, u, p, d) -> s
+    outputs(x, u, p, d, lookup) -> y
+    derivative(x, u, p, d) -> dx/dt of the continuous states
+    event_indicators(x, u, p, d, mode) -> z
+    memory_after(x, u, p, d, mode) -> memory states, mode
+    stations_forward(x, u, p, d, x_seed, u_seed) -> s_seed
+    forward(x, u, p, d, lookup, x_seed, u_seed, fraction_seed) -> y_seed, seed of dx/dt
+
+    A seed is a direction, and what comes of it the derivative along it: x_seed of the continuous
+    states, fraction_seed of the first row of the lookup.
+    """
+
+    def __init__(self, block: Block) -> None:
+        p, u, x = (_symbols(v) for v in (block.parameters, block.inputs, block.states))
+        rate = {v.name: ca.SX.sym(f"rate_{v.name}") for v in block.inputs}
+        shapes = block.derived_shapes()
+        d = {name: ca.SX.sym(name, *shape) for name, shape in shapes.items()}
+        h = ca.SX.sym("h")
+        rows, columns = (block.table.rows, block.table.station_count) if block.table else (0, 0)
+        lookup = ca.SX.sym("lookup", rows, columns)
+        pv, uv, xv = _vector(p), _vector(u), _vector(x)
+        dv = _flat(d)
+
+        self.derived = block.derived_function()
+        self.constants = ca.Function(
+            "constants", [pv, dv], [_ordered(block.constants, block.constant(p, d))]
+        )
+        self.initial = ca.Function(
+            "initial", [pv, dv, uv], [_ordered(block.states, block.initial(p, d, u))]
+        )
+        self.largest_step = ca.Function(
+            "largest_step", [xv, uv, pv, dv], [ca.SX(block.largest_step(x, u, p, d))]
+        )
+        x_end, u_end = block.step(x, u, rate, p, d, h)
+        held = {name: u[name] + rate[name] * h for name in u}
+        self.step = ca.Function(
+            "step",
+            [xv, uv, _vector(rate), pv, dv, h],
+            [_ordered(block.states, x_end), _ordered(block.inputs, {**held, **u_end})],
+        )
+        self.stations = ca.Function(
+            "stations", [xv, uv, pv, dv], [ca.densify(block.stations(x, u, p, d))]
+        )
+        self.derivative = ca.Function(
+            "derivative",
+            [xv, uv, pv, dv],
+            [_ordered(block.continuous, block.derivative(x, u, p, d))],
+        )
+        mode = _symbols(block.modes)
+        at_event = [xv, uv, pv, dv, _vector(mode)]
+        indicators = block.event_indicators(x, u, p, d, mode)
+        self.event_indicators = ca.Function(
+            "event_indicators", at_event, [ca.densify(_vector(indicators))]
+        )
+        memory, mode_after = block.memory_after(x, u, p, d, mode)
+        self.memory_after = ca.Function(
+            "memory_after",
+            at_event,
+            [_ordered(block.memory, memory), _ordered(block.modes, mode_after)],
+        )
+        self.outputs = block.output_function() or ca.Function(
+            "outputs",
+            [xv, uv, pv, dv, lookup],
+            [_ordered(block.outputs, block.output(x, u, p, d, lookup if block.table else None))],
+        )
+        self._continuous = len(block.continuous)
+
+    @property
+    def stations_forward(self) -> ca.Function:
+        return self._along_seeds[0]
+
+    @property
+    def forward(self) -> ca.Function:
+        return self._along_seeds[1]
+
+    @cached_property
+    def _along_seeds(self) -> tuple[ca.Function, ca.Function]:
+        """Derivatives of stations, outputs and rates in a direction of states and inputs.
+
+        Made when first asked for: it takes most of the time, and a simulation does without.
+        """
+        continuous = self._continuous
+        plain = self.outputs.is_a("SXFunction")
+        kind: Any = ca.SX if plain else ca.MX
+        arguments: list[Any] = self.outputs.sx_in() if plain else self.outputs.mx_in()
+        x, u, p, d, lookup = arguments
+        x_seed = kind.sym("x_seed", continuous)
+        u_seed = kind.sym("u_seed", u.numel())
+        fraction_seed = kind.sym("fraction_seed", lookup.size2())
+
+        def along(expression: Any, *pairs: tuple[Any, Any]) -> Any:
+            moving = [(at, seed) for at, seed in pairs if at.numel()]
+            return ca.densify(sum(ca.jtimes(expression, at, seed) for at, seed in moving))
+
+        by_ports = ((x[:continuous], x_seed), (u, u_seed))
+        fractions = lookup[0, :].T if lookup.numel() else lookup
+        seeds = [x_seed, u_seed]
+        return ca.Function(
+            "stations_forward",
+            [x, u, p, d, *seeds],
+            [along(self.stations(x, u, p, d), *by_ports)],
+        ), ca.Function(
+            "forward",
+            [x, u, p, d, lookup, *seeds, fraction_seed],
+            [
+                along(self.outputs(x, u, p, d, lookup), *by_ports, (fractions, fraction_seed)),
+                along(self.derivative(x, u, p, d), *by_ports),
+            ],
+        )
+
+
+def _derivative_of(state: State) -> Output:
+    """A variable for a state's time derivative."""
+    whole, per_second = state.unit.removesuffix("/s"), state.unit.endswith("/s")
+    return Output(
+        f"der({state.name})",
+        f"{whole}/s2" if per_second else f"{whole}/s",
+        f"{state.description}, time derivative",
+        derivative_of=state.name,
+    )
+
+
+def _flat(constants: Signals) -> ca.SX:
+    """All constants in one column."""
+    return ca.vertcat(*[ca.vec(ca.SX(v)) for v in constants.values()]) if constants else ca.SX(0, 1)
+
+
+def _symbols(variables: Sequence[Variable]) -> dict[str, ca.SX]:
+    return {v.name: ca.SX.sym(v.name) for v in variables}
+
+
+def _vector(signals: Signals) -> ca.SX:
+    return ca.vertcat(*signals.values()) if signals else ca.SX(0, 1)
+
+
+def _ordered(variables: Sequence[Variable], values: Signals) -> ca.SX:
+    """The expressions in the variables' order; every variable must have one, and no other."""
+    names = [v.name for v in variables]
+    if set(names) != set(values):
+        missing = sorted(set(names) - set(values))
+        unknown = sorted(set(values) - set(names))
+        raise ValueError(f"expressions missing for {missing}, not declared: {unknown}")
+    return ca.densify(ca.vertcat(*[ca.SX(values[n]) for n in names])) if names else ca.SX(0, 1)

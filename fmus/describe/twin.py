@@ -1,0 +1,187 @@
+"""The Python twin of a block's FMU: the same functions, called in the same order, in Python.
+
+`Twin` is for scripts and tests; `TwinModel` is the twin as a model, which becomes a Python FMU.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, MutableMapping
+from functools import cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from ..model import (
+    Model,
+    Values,
+)
+from .block import Block
+
+
+class Twin:
+    """One instance of a block, run by CasADi's virtual machine.
+
+    values: parameter values [SI] by name, all of them. Inputs start at their start values.
+    """
+
+    def __init__(self, block: Block, values: Mapping[str, float]) -> None:
+        self.block = block
+        self.time = 0.0
+        self.p = block.parameter_vector(values)
+        self.u = np.array([v.start for v in block.inputs])
+        self.rate = np.zeros(len(block.inputs))
+        self.d = ca.DM()  # stays CasADi's, since it may be long
+        self.x = np.zeros(0)
+        self.mode = np.zeros(len(block.modes))
+        self._state = {v.name: i for i, v in enumerate(block.continuous)}
+        self._input = {v.name: i for i, v in enumerate(block.inputs)}
+        self._output = {v.name: i for i, v in enumerate(block.outputs)}
+        self._pages: dict[int, np.ndarray] = {}
+
+    def set_parameters(self, values: Mapping[str, float]) -> None:
+        """Change the parameters [SI], all of them given, and keep the state."""
+        p = self.block.parameter_vector(values)
+        if self.d.is_empty() or not np.array_equal(p, self.p):
+            self.p = p
+            self.d = self.block.functions.derived(p)
+            self._pages = {}
+
+    def set(self, name: str, value: float) -> None:
+        """Set an input [SI]."""
+        self.u[self._input[name]] = value
+
+    def set_rate(self, name: str, value: float) -> None:
+        """Let an input vary linearly over the next step, at this rate [unit/s]."""
+        self.rate[self._input[name]] = value
+
+    def initialize(self) -> None:
+        """Compute derived constants and the initial state from parameters and inputs."""
+        f = self.block.functions
+        self.d = f.derived(self.p)
+        self.x = _array(f.initial(self.p, self.d, self.u))
+        self.mode[:] = 0.0
+        self._pages = {}
+
+    def step(self, size: float) -> None:
+        """Advance by a communication step [s], in equal micro steps."""
+        f = self.block.functions
+        largest = float(f.largest_step(self.x, self.u, self.p, self.d))
+        count = max(1, math.ceil(size / largest - 1e-9))
+        for _ in range(count):
+            x, u = f.step(self.x, self.u, self.rate, self.p, self.d, size / count)
+            self.x, self.u = _array(x), _array(u)
+        self.rate[:] = 0.0
+        self.time += size
+
+    def get(self, name: str) -> float:
+        """An output [SI] with the present state and inputs."""
+        return float(self.outputs()[self._output[name]])
+
+    def outputs(self) -> np.ndarray:
+        """All outputs in block order."""
+        return _array(self.block.functions.outputs(self.x, self.u, self.p, self.d, self._lookup()))
+
+    def derivatives(self) -> np.ndarray:
+        """Time derivatives of the continuous states, which are the first ones in `x`."""
+        return _array(self.block.functions.derivative(self.x, self.u, self.p, self.d))
+
+    def event_indicators(self) -> np.ndarray:
+        """All event indicators with the present states, inputs and modes."""
+        f = self.block.functions.event_indicators
+        return _array(f(self.x, self.u, self.p, self.d, self.mode))
+
+    def update_memory(self) -> None:
+        """Let memory and modes follow, at an event or after a completed integrator step."""
+        f = self.block.functions.memory_after
+        memory, mode = f(self.x, self.u, self.p, self.d, self.mode)
+        self.x[len(self._state) :] = _array(memory)
+        self.mode = _array(mode)
+
+    def directional(self, seed: Mapping[str, float]) -> np.ndarray:
+        """Derivatives along the seed of all outputs, then of the states' time derivatives.
+
+        seed: direction by name, of inputs and continuous states.
+        """
+        f, table = self.block.functions, self.block.table
+        x_seed, u_seed = np.zeros(len(self._state)), np.zeros(len(self.u))
+        for name, value in seed.items():
+            if name in self._input:
+                u_seed[self._input[name]] = value
+            else:
+                x_seed[self._state[name]] = value
+        at = (self.x, self.u, self.p, self.d)
+        fractions = np.zeros(0)
+        if table is not None:
+            fractions = _array(f.stations_forward(*at, x_seed, u_seed)) / table.spacing
+        seeds = f.forward(*at, self._lookup(), x_seed, u_seed, fractions)
+        return np.concatenate([_array(seed) for seed in seeds])
+
+    def _lookup(self) -> np.ndarray:
+        table = self.block.table
+        if table is None:
+            return np.zeros((0, 0))
+        stations = _array(self.block.functions.stations(self.x, self.u, self.p, self.d))
+        columns = []
+        for place in stations / table.spacing:
+            node = math.floor(place)
+            columns.append([place - node, *self._node(node), *self._node(node + 1)])
+        return np.array(columns).T
+
+    def _node(self, node: int) -> np.ndarray:
+        assert self.block.table is not None
+        number, place = divmod(node, self.block.table.nodes_per_page)
+        if number not in self._pages:
+            self._pages[number] = np.array(self.block.table.page(number, self.d))
+        return self._pages[number][:, place]
+
+
+class TwinModel(Model):
+    """A block's twin behind the surface of a plain model. values: of all parameters [SI]."""
+
+    def __init__(self, kind: Callable[[], Block], values: Values) -> None:
+        block = _built(kind)
+        self.description = block.description
+        self.parameters, self.inputs, self.outputs = block.parameters, block.inputs, block.outputs
+        self.tangents = block.tangents
+        self._twin = Twin(block, values)
+
+    @property
+    def name(self) -> str:
+        return self._twin.block.name
+
+    def start(self, p: Values, u: Values) -> None:
+        self._give(p, u)
+        self._twin.initialize()
+
+    def step(self, p: Values, u: MutableMapping[str, float], time: float, size: float) -> None:
+        """Advance; inputs that have a tangent follow the block's own motion."""
+        self._give(p, u)
+        self._twin.step(size)
+        u.update(zip(u, self._twin.u.tolist(), strict=True))
+
+    def output(self, p: Values, u: Values) -> Values:
+        self._give(p, u)
+        names = (output.name for output in self.outputs)
+        return dict(zip(names, self._twin.outputs().tolist(), strict=True))
+
+    def save(self) -> dict[str, Any]:
+        return {"x": self._twin.x.copy()}
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        self._twin.x = state["x"].copy()
+
+    def _give(self, p: Values, u: Values) -> None:
+        self._twin.set_parameters(p)
+        self._twin.u = np.array(list(u.values()))
+
+
+@cache
+def _built(kind: Callable[[], Block]) -> Block:
+    """The block, whose functions all its instances in a process share."""
+    return kind()
+
+
+def _array(value: ca.DM) -> np.ndarray:
+    return np.array(value, dtype=float).reshape(-1)

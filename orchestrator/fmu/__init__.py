@@ -1,0 +1,1 @@
+"""What an FMU file says of itself: archive, description, arrays, units, port maps."""

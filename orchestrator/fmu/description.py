@@ -1,0 +1,165 @@
+"""What an FMU says about itself, as far as coupling needs it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from .units import (
+    Definitions,
+)
+
+CO_SIMULATION, MODEL_EXCHANGE = "co-simulation", "model exchange"
+
+
+KINDS = {
+    "Real": "real",
+    "Float64": "real",
+    "Float32": "real",
+    "Boolean": "boolean",
+    "Enumeration": "enumeration",
+    "String": "string",
+    "Binary": "binary",
+    "Clock": "clock",
+}
+"""Kind of each type; all others are integers."""
+
+
+@dataclass(frozen=True)
+class Lane:
+    """Where a variable's number is in an FMU: element of `value_reference`, which has `size`.
+
+    The variable's value is gain * the FMU's + offset. difference_of: name of the variable whose
+    rate it is, where the FMU does not have it.
+    """
+
+    value_reference: int
+    element: int = 0
+    size: int = 1
+    gain: float = 1.0
+    offset: float = 0.0
+    difference_of: str = ""
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of an FMU. `dependencies`: inputs that an output depends on; None means all.
+
+    reference: by which it is set and read; a number of its own where it has a `lane`, else the
+    value reference. dimensions: sizes, or names of the structural parameters that give them; an
+    array that is coupled is taken apart into variables without. starts: those of an array.
+    interpolated: an input that may vary over a step.
+    """
+
+    name: str
+    reference: int
+    type: str
+    causality: str
+    variability: str = "continuous"
+    initial: str | None = None
+    unit: str | None = None
+    start: str | None = None
+    minimum: float | None = None
+    maximum: float | None = None
+    nominal: float = 0.0
+    items: Mapping[str, int] = field(default_factory=dict)
+    description: str = ""
+    derivative_of: str | None = None
+    dependencies: frozenset[str] | None = frozenset()
+    shape: tuple[int, ...] = ()
+    dimensions: tuple[int | str, ...] = ()
+    starts: tuple[str, ...] = ()
+    interpolated: bool = True
+    clocked: bool = False
+    lane: Lane | None = None
+
+    @property
+    def kind(self) -> str:
+        """What it is whatever its size in memory; one of `KINDS`, or "integer"."""
+        return KINDS.get(self.type, "integer")
+
+    @property
+    def coupled(self) -> bool:
+        """Whether it is a number that masters can exchange."""
+        numeric = self.kind not in ("string", "binary", "clock")
+        return numeric and not self.shape and not self.clocked
+
+    @property
+    def value_reference(self) -> int:
+        """By which the FMU knows it."""
+        return self.lane.value_reference if self.lane else self.reference
+
+    @property
+    def label(self) -> str:
+        """Name and unit, as messages show it."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+
+@dataclass(frozen=True)
+class Tangent:
+    """The input `partial` is the derivative of `input` with respect to the FMU's own `output`."""
+
+    input: str
+    output: str
+    partial: str
+
+
+@dataclass(frozen=True)
+class Description:
+    """An FMU for one of its interfaces: its variables, what it can do, and where its binary is.
+
+    failure_categories: those of the standard's log categories for what goes wrong that it has.
+    arrays: shapes of those that were taken apart into elements. aliases: other names of variables.
+    has_events: it has the event mode of FMI 3.0. returns_early: it may end a step early.
+    input_order: the highest derivative of an input that is taken; of a file it is 1.
+    needs_tool: it runs in the tool that it is from.
+    """
+
+    label: str
+    variables: Mapping[str, Variable]
+    interpolates_inputs: bool = False
+    input_order: int = 1
+    saves_state: bool = False
+    variable_step: bool = False
+    gives_derivatives: bool = False
+    single_instance: bool = False
+    needs_tool: bool = False
+    serializes_state: bool = False
+    tangents: tuple[Tangent, ...] = ()
+    units: Definitions = field(default_factory=dict)
+    fmi_version: str = "2.0"
+    guid: str = ""
+    model_identifier: str = ""
+    binary: str = ""
+    sha256: str = ""
+    failure_categories: tuple[str, ...] = ()
+    arrays: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    aliases: Mapping[str, str] = field(default_factory=dict)
+    has_events: bool = False
+    returns_early: bool = False
+
+    def find(self, name: str) -> Variable | None:
+        """The variable of a name, which may be an alias."""
+        return self.variables.get(name) or self.variables.get(self.aliases.get(name, ""))
+
+    def interpolates(self, variable: Variable) -> bool:
+        """Whether an input can be led along a line over a step."""
+        continuous = variable.kind == "real" and variable.interpolated
+        return self.interpolates_inputs and continuous
+
+    @property
+    def inputs(self) -> list[Variable]:
+        return [v for v in self.variables.values() if v.causality == "input"]
+
+    @property
+    def outputs(self) -> list[Variable]:
+        return [v for v in self.variables.values() if v.causality == "output"]
+
+    @property
+    def partials(self) -> frozenset[str]:
+        """Inputs that take a partial derivative; unconnected they stay at their start."""
+        return frozenset(tangent.partial for tangent in self.tangents)
+
+    def rate_of(self, output: str) -> Variable | None:
+        """The output that is declared to be the time derivative of `output`."""
+        return next((v for v in self.outputs if v.derivative_of == output), None)

@@ -1,0 +1,158 @@
+"""Units of FMI variables: which may drive which, and the affine conversion between them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any
+
+from ..errors import UnitError
+
+_NUMBER = re.compile(
+    r"\s*([+-]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|nan|inf(?:inity)?))(.*)", re.I
+)
+_DIMENSIONS = {
+    "kg": "[mass]",
+    "m": "[length]",
+    "s": "[time]",
+    "A": "[current]",
+    "K": "[temperature]",
+    "mol": "[substance]",
+    "cd": "[luminosity]",
+}
+
+_BASE_UNITS = {
+    "kilogram": "kg",
+    "meter": "m",
+    "second": "s",
+    "ampere": "A",
+    "kelvin": "K",
+    "mole": "mol",
+    "candela": "cd",
+    "radian": "rad",
+}
+
+
+@dataclass(frozen=True)
+class Scale:
+    """A unit: base SI value = factor * value + offset, and the exponents of the base dimensions."""
+
+    factor: float
+    offset: float
+    dimension: Mapping[str, float]
+
+    def to(self, target: Scale) -> tuple[float, float] | None:
+        """Gain and offset that turn a value of this unit into `target`'s; None if they differ."""
+        if dict(self.dimension) != dict(target.dimension):
+            return None
+        return self.factor / target.factor, (self.offset - target.offset) / target.factor
+
+
+@dataclass(frozen=True)
+class BaseUnit:
+    """An FMU's own definition of a unit by the exponents of SI base units."""
+
+    exponents: Mapping[str, int] = field(default_factory=dict)
+    factor: float = 1.0
+    offset: float = 0.0
+
+    def scale(self) -> Scale:
+        """The definition as a scale; an angle has no dimension."""
+        dimension = {
+            _DIMENSIONS[k]: float(n) for k, n in self.exponents.items() if k != "rad" and n
+        }
+        return Scale(self.factor, self.offset, dimension)
+
+
+Definitions = Mapping[str, BaseUnit]
+
+
+def definitions(read: Any) -> dict[str, BaseUnit]:
+    """Units that a model description defines, as fmpy reads it."""
+    return {
+        unit.name: BaseUnit(
+            {k: getattr(unit.baseUnit, k) for k in ("kg", "m", "s", "A", "K", "mol", "cd", "rad")},
+            unit.baseUnit.factor,
+            unit.baseUnit.offset,
+        )
+        for unit in read.unitDefinitions
+        if unit.baseUnit is not None
+    }
+
+
+def scale_of(unit: str, definitions: Definitions | None = None) -> Scale:
+    """Scale of a unit as its file defines it, else as FMI or pint writes it; raises UnitError."""
+    if definitions and unit in definitions:
+        return definitions[unit].scale()
+    return _pint_scale(unit)
+
+
+def conversion(
+    source: str,
+    target: str,
+    source_definitions: Definitions | None = None,
+    target_definitions: Definitions | None = None,
+) -> tuple[float, float] | None:
+    """Gain and offset from one unit to another; None if they measure different things."""
+    if source == target:
+        return 1.0, 0.0
+    return scale_of(source, source_definitions).to(scale_of(target, target_definitions))
+
+
+def quantity(text: str) -> tuple[float, str]:
+    """Number and unit of "200 lbf/in"; the unit may be empty. Raises UnitError without a number."""
+    match = _NUMBER.fullmatch(text.strip())
+    if match is None:
+        raise UnitError(f"'{text}' is no number with a unit")
+    return float(match[1]), match[2].strip()
+
+
+def base_unit(unit: str, definitions: Definitions | None = None) -> BaseUnit | None:
+    """A unit by exponents of SI base units, as the FMU defines it or as pint knows it.
+
+    None for one with broken exponents, which FMI and SSP cannot define. Raises UnitError.
+    """
+    if definitions and unit in definitions:
+        return definitions[unit]
+    scale = scale_of(unit)
+    powers = dict(_registry().Quantity(1.0, _parsed(unit)).to_base_units().unit_items())
+    if any(power != int(power) for power in powers.values()):
+        return None
+    exponents = {_BASE_UNITS[name]: int(power) for name, power in sorted(powers.items())}
+    return BaseUnit(exponents, scale.factor, scale.offset)
+
+
+@cache
+def _pint_scale(unit: str) -> Scale:
+    parsed = _parsed(unit)
+    zero, one = (_registry().Quantity(n, parsed).to_base_units().magnitude for n in (0.0, 1.0))
+    dimension = {k: float(n) for k, n in dict(parsed.dimensionality).items()}
+    return Scale(float(one - zero), float(zero), dimension)
+
+
+def _parsed(unit: str) -> Any:
+    """The unit as pint has it; raises UnitError."""
+    registry = _registry()
+    for spelling in dict.fromkeys((_spelled_for_pint(unit), unit)):
+        try:
+            parsed = registry.Unit(spelling)
+            registry.Quantity(1.0, parsed).to_base_units()
+        except Exception:  # pint raises many kinds, tokenizer errors among them
+            continue
+        return parsed
+    raise UnitError(f"'{unit}' is not a known unit")
+
+
+def _spelled_for_pint(unit: str) -> str:
+    """FMI's "kg.m2/s2" as "kg*m**2/s**2"; "1" is no unit."""
+    unit = re.sub(r"(?<=[^\W_])\.(?=[^\W\d])|(?<=\))\.|\.(?=\()", "*", unit.strip())
+    unit = re.sub(r"(?<=[^\W\d_])(-?\d)", r"**\1", unit)
+    return "dimensionless" if unit in ("", "1") else unit
+
+
+def _registry() -> Any:
+    import pint
+
+    return pint.get_application_registry()

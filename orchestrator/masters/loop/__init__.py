@@ -1,0 +1,1 @@
+"""What the compiled macro loops are made of: tables, and moves that masters share."""

@@ -1,0 +1,167 @@
+"""Threads that go through one macro loop together, each stepping slaves of its own.
+
+Where no slave needs what another reaches in the same macro step, they may step at the same time,
+which FMI allows for different instances. All threads meet after the slaves' steps and again when
+the first of them has brought the outputs up to date, so that every number is that of one thread.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic, register_jitable
+
+from ...plan.plan import Plan
+from ...slaves.abi import _call as call
+from ...slaves.base import Slave
+from ...slaves.fmu import address_of
+from ...slaves.inline import MockSlave
+from .tables import (
+    Ints,
+    Prepared,
+    ints,
+)
+
+STEPPED, FINISHED = range(2)
+"""Places of meeting: after the slaves' steps, and when the row is complete."""
+
+SPINS = 2000
+"""Looks at the others before a thread that waits gives its core away."""
+
+
+class Crew(NamedTuple):
+    """What one thread knows: its number, its slaves in their order, and where it meets the others.
+
+    arrivals: at all meetings so far. stopped: by place of meeting, whether something stopped a
+    thread before it. rest: address of a function that lets other threads have the core.
+    """
+
+    thread: int
+    size: int
+    slave: Ints
+    arrivals: Ints
+    arrivals_address: int
+    stopped: Ints
+    rest: int
+
+
+def alone(order: Sequence[int]) -> Crew:
+    """One thread that steps all slaves in an order."""
+    return _crew([order])[0]
+
+
+def _crew(slaves: Sequence[Sequence[int]]) -> list[Crew]:
+    arrivals, stopped = np.zeros(1, np.int64), np.zeros(2, np.int64)
+    rest = _rest() if len(slaves) > 1 else 0
+    return [
+        Crew(thread, len(slaves), ints(own), arrivals, arrivals.ctypes.data, stopped, rest)
+        for thread, own in enumerate(slaves)
+    ]
+
+
+def _rest() -> int:
+    if sys.platform == "win32":
+        return address_of(ctypes.WinDLL("kernel32"), "SwitchToThread")
+    return address_of(ctypes.CDLL(None), "sched_yield")
+
+
+def bound(plan: Plan, slaves: Sequence[Slave]) -> list[int]:
+    """Slaves that stay in the first thread: those that share something beyond their instance."""
+    return [
+        i
+        for i, (slave, description) in enumerate(zip(slaves, plan.descriptions, strict=True))
+        if description.single_instance or description.needs_tool or isinstance(slave, MockSlave)
+    ]
+
+
+def man(prepared: Prepared, plan: Plan, slaves: Sequence[Slave], threads: int) -> Prepared:
+    """Let so many threads go through a loop whose last table is the crew of one."""
+    if threads == 1:
+        return prepared
+    staying = bound(plan, slaves)
+    others = [i for i in range(len(slaves)) if i not in set(staying)]
+    share = -(-len(slaves) // threads)
+    room = max(0, share - len(staying))
+    mine, rest = [*staying, *others[:room]], others[room:]
+    parts = [p.tolist() for p in np.array_split(np.array(rest, np.int64), threads - 1) if p.size]
+    if not parts:
+        return prepared
+    crew = _crew([sorted(mine), *parts])
+    notes = [*prepared.notes, f"{len(crew)} threads step the FMUs"]
+    if staying:
+        names = ", ".join(plan.names[i] for i in staying)
+        notes.append(f"in the first of them, since their FMUs share more than code: {names}")
+    prepared.advance = Together(prepared.advance, crew)
+    prepared.notes = notes
+    return prepared
+
+
+class Together:
+    """A macro loop that is called as any, and that all threads of a crew go through."""
+
+    def __init__(self, loop: Any, crew: Sequence[Crew]) -> None:
+        self.py_func: Callable[..., None] = loop.py_func  # plain Python: one thread
+        self._loop, self._crew = loop, crew
+        self._reports = [np.zeros(4, np.int64) for _ in crew[1:]]
+        self._pool = ThreadPoolExecutor(len(crew) - 1, "tracktrain")
+
+    def __call__(self, *arguments: Any) -> None:
+        from ...run.stepping import uninterrupted
+
+        *given, report = arguments[:8]
+        tables = arguments[8:-1]
+        for own in self._reports:
+            own[:] = report
+        self._crew[0].stopped[:] = 0
+        with uninterrupted():  # else some would wait for the others for ever
+            running = [
+                self._pool.submit(partial(self._loop, *given, own, *tables, crew))
+                for own, crew in zip(self._reports, self._crew[1:], strict=True)
+            ]
+            self._loop(*given, report, *tables, self._crew[0])
+            for future in running:
+                future.result()
+        found = [r for r in (report, *self._reports) if r[1]]
+        if found:
+            report[1:] = min(found, key=lambda r: r[2])[1:]
+
+
+def _typed_add(typing_context: Any, address: Any, value: Any) -> Any:
+    """Add to a whole number in memory, at once for all threads; what it was before."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        place = builder.inttoptr(arguments[0], ir.IntType(64).as_pointer())
+        return builder.atomic_rmw("add", place, arguments[1], "seq_cst")
+
+    return types.int64(types.int64, types.int64), generate
+
+
+_add: Any = intrinsic(_typed_add)
+
+
+@register_jitable
+def meet(crew: Crew, place: int, report: Ints) -> bool:
+    """Wait at one of two places in turn until all threads are there; False if any was stopped.
+
+    What stopped them is kept by place: a thread may leave the one while another is at the other.
+    """
+    if crew.size == 1:
+        return report[1] == 0
+    if report[1] != 0:
+        crew.stopped[place] = 1
+    before = _add(crew.arrivals_address, 1)
+    awaited = (before // crew.size + 1) * crew.size
+    spins = 0
+    while _add(crew.arrivals_address, 0) < awaited:
+        spins += 1
+        if spins > SPINS:
+            call(crew.rest, ())
+    return crew.stopped[place] == 0

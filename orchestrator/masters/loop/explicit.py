@@ -1,0 +1,308 @@
+"""One step of every slave in a macro step, each input led by what is known of it beforehand.
+
+Over a macro step from t_n to t_n + H a slave's input is value(t_n) + speed (t - t_n) + bend
+(t - t_n)^2 / 2, by input derivatives, and for a tangent + sum of partial * (change of the slave's
+own output). Most FMUs take derivatives of order 1 only: they are given the line that has the mean
+of the parabola, and set to the parabola's end before their outputs are read; those that take none
+are given the mean. Nothing is repeated, nothing rolled back. At t_n + H the feedthrough outputs are
+read again with the true inputs.
+
+A slave that steps every N macro steps does so in the last of them, over all; its inputs run from
+their value at its step's beginning to the best that is known of their end. In between its outputs
+move along the polynomial through their last values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numba.extending import register_jitable
+
+from ...plan.plan import Plan
+from ...slaves import abi as ffi
+from ...slaves.base import Slave
+from ..coupling import (
+    Coupling,
+    Way,
+)
+from .crew import (
+    FINISHED,
+    STEPPED,
+    Crew,
+    alone,
+    meet,
+)
+from .leads import (
+    KNOWN_END,
+    Ends,
+    Finals,
+    Lead,
+    Leads,
+    Sent,
+    best_lead,
+    end_table,
+    extrapolate,
+    fill_sent,
+    find_leads,
+    lead_constants,
+    lead_tables,
+    leads_of,
+    led_to,
+    send_rates,
+)
+from .tables import (
+    DERIVE,
+    GET,
+    SET,
+    SET_RATES,
+    STEP,
+    Calls,
+    Feed,
+    Floats,
+    Ints,
+    Prepared,
+    Refresh,
+    calls,
+    feed,
+    fill_inputs,
+    finish_row,
+    macro_loop,
+    read_early,
+    refresh_tables,
+    send_inputs,
+    starts,
+    stopped,
+)
+from .tangents import (
+    Tangents,
+    gather,
+    tangent_table,
+)
+
+
+def prepare(plan: Plan, slaves: Sequence[Slave], coupling: Coupling) -> Prepared:
+    """Tables for `advance`."""
+    led = [link for bond in plan.bonds for link in (bond.force, bond.velocity)]
+    led = sorted(dict.fromkeys(led), key=lambda link: link.target)
+    targets, seed_links = gather(plan, coupling)
+    groups = leads_of(plan, coupling, targets)
+    readers = {
+        call.seed_group: number
+        for number, target in enumerate(targets)
+        for call in target.calls
+        if call.seed_group >= 0
+    }
+    seed_groups: list[list[Lead]] = [
+        [best_lead(plan, coupling, link, readers[n]) for link in links]
+        for n, links in enumerate(seed_links)
+    ]
+    first_slot = starts([len(t.links) + len(t.partials) for t in targets])
+    ends = end_table(plan, coupling, targets, groups, first_slot, led)
+    used = {
+        lead.column for group in [*groups, *seed_groups] for lead in group if lead.kind == KNOWN_END
+    }
+    used |= {int(column) for column in ends.term_column}
+    table = calls(plan, slaves, early_reads(plan, used))
+    references = [
+        [plan.descriptions[i].variables[name].reference for name in target.partials]
+        for i, target in enumerate(targets)
+    ]
+    tables = (
+        table,
+        feed(plan, [target.links for target in targets], references),
+        *refresh_tables(plan, table),
+        coupling.degree,
+        tangent_table(plan, targets, first_slot),
+        *lead_tables(plan, groups, first_slot),
+        *lead_tables(plan, seed_groups)[:2],
+        ends,
+        alone(coupling.order),
+    )
+    extrapolates = Way.EXTRAPOLATED in coupling.ways.values()
+    starts_small = extrapolates and max(plan.every) == 1
+    if starts_small and (stiff := [d.label for d in plan.descriptions if not d.variable_step]):
+        starts_small = False
+        coupling.notes.append(
+            f"nothing to extrapolate from at the start, since no smaller steps are taken by "
+            f"{', '.join(dict.fromkeys(stiff))}"
+        )
+    return Prepared(
+        advance,
+        tables,
+        {link: n for n, link in enumerate(led)},
+        coupling.notes,
+        behind=3 * max(plan.every) + 1,
+        start_order=coupling.degree if starts_small else 0,
+    )
+
+
+def early_reads(plan: Plan, used: set[int]) -> list[int]:
+    """How many columns of each slave are read right after its step: all where it needs be."""
+    sizes = np.diff(plan.first_column)
+    whole = set(plan.looped)
+    for column in used:
+        instance = plan.columns[column][0]
+        if column - plan.first_column[instance] >= plan.steady[instance]:
+            whole.add(instance)
+    return [int(sizes[i]) if i in whole else plan.steady[i] for i in range(len(plan.names))]
+
+
+@macro_loop
+def advance(
+    first: int,
+    last: int,
+    start: float,
+    step: float,
+    rows: Floats,
+    address: int,
+    end_values: Floats,
+    report: Ints,
+    calls: Calls,
+    inputs: Feed,
+    refreshed: Feed,
+    refresh: Refresh,
+    degree: int,
+    tangents: Tangents,
+    leads: Leads,
+    sent: Sent,
+    finals: Finals,
+    seeds: Leads,
+    seeds_sent: Sent,
+    ends: Ends,
+    crew: Crew,
+) -> None:
+    """Macro steps `first` to `last`; row k of the record, at `address`, is time start + k*step [s].
+
+    end_values: what the inputs of `ends` were led to, by step. report: number of rows that are
+    complete, then call, slave and status of what stopped the run.
+    """
+    width = 8 * rows.shape[1]
+    for k in range(first, last):
+        row = address + (k + 1) * width
+        for slave in crew.slave:
+            window = calls.every[slave]
+            if (k + 1) % window != 0:
+                carry_on(calls, slave, rows, k + 1, degree, step)
+                continue
+            begin, length = k + 1 - window, window * step
+            if not ask_tangents(
+                calls, slave, tangents, seeds, seeds_sent, inputs, window, degree, rows, k, step,
+                report,
+            ):  # fmt: skip
+                break
+            fill_inputs(inputs, slave, rows, begin)
+            find_leads(leads, slave, window, degree, rows, k, step, tangents.result)
+            lead_constants(leads, slave, inputs, length)
+            if stopped(report, slave, SET, send_inputs(calls, slave, inputs, slave)):
+                break
+            fill_sent(sent, slave, leads, length)
+            if stopped(report, slave, SET_RATES, send_rates(calls, slave, sent)):
+                break
+            time = start + begin * step
+            status = ffi.do_step(calls.do_step[slave], calls.instance[slave], time, length)
+            if stopped(report, slave, STEP, status):
+                break
+            status = set_finals(calls, slave, finals, leads, inputs, length)
+            if stopped(report, slave, SET, status):
+                break
+            if stopped(report, slave, GET, read_early(calls, slave, row)):
+                break
+            keep_ends(slave, ends, inputs, leads, rows, k, length, end_values)
+        if not meet(crew, STEPPED, report):
+            return
+        if crew.thread == 0:
+            finish_row(calls, refreshed, refresh, rows, k + 1, row, report)
+        if not meet(crew, FINISHED, report):
+            return
+
+
+@register_jitable
+def carry_on(calls: Calls, slave: int, rows: Floats, k: int, degree: int, step: float) -> None:
+    """Outputs of a slave at a row k at which it does not stand."""
+    every = calls.every[slave]
+    last = k - k % every
+    time = (k - last) * step
+    for column in range(calls.first_column[slave], calls.first_column[slave + 1]):
+        speed, bend = extrapolate(rows, column, last, every, degree, step)
+        rows[k, column] = rows[last, column] + time * (speed + 0.5 * time * bend)
+
+
+@register_jitable(inline="always")
+def ask_tangents(
+    calls: Calls,
+    slave: int,
+    tangents: Tangents,
+    seeds: Leads,
+    seeds_sent: Sent,
+    inputs: Feed,
+    window: int,
+    degree: int,
+    rows: Floats,
+    k: int,
+    step: float,
+    report: Ints,
+) -> bool:
+    """Ask the sources for the tangents at row k that a slave takes; False if stopped."""
+    for n in range(tangents.first[slave], tangents.first[slave + 1]):
+        source, group = tangents.source[n], tangents.seed_group[n]
+        seed = tangents.seed_address[n]
+        if group >= 0:
+            find_leads(seeds, group, window, degree, rows, k, step, tangents.result)
+            fill_sent(seeds_sent, group, seeds, window * step)
+            seed = seeds_sent.value_address[group]
+        status = ffi.directional(
+            calls.directional[source],
+            calls.instance[source],
+            tangents.unknown_address[n],
+            tangents.unknown_count[n],
+            tangents.known_address[n],
+            tangents.known_count[n],
+            seed,
+            tangents.result_address[n],
+        )
+        if stopped(report, source, DERIVE, status):
+            return False
+    for n in range(tangents.first_slot[slave], tangents.first_slot[slave + 1]):
+        inputs.value[tangents.slot[n]] = tangents.gain[n] * tangents.result[tangents.entry[n]]
+    return True
+
+
+@register_jitable(inline="always")
+def set_finals(
+    calls: Calls, slave: int, finals: Finals, leads: Leads, inputs: Feed, length: float
+) -> int:
+    """Set inputs to where they lead, before a slave's outputs are read; the status."""
+    first, last = finals.first[slave], finals.first[slave + 1]
+    if first == last:
+        return 0
+    for n in range(first, last):
+        finals.value[n] = led_to(inputs, leads, finals.lead[n], length)
+    return ffi.reals(
+        calls.set_real[slave],
+        calls.instance[slave],
+        finals.reference_address[slave],
+        last - first,
+        finals.value_address[slave],
+    )
+
+
+@register_jitable(inline="always")
+def keep_ends(
+    slave: int,
+    ends: Ends,
+    inputs: Feed,
+    leads: Leads,
+    rows: Floats,
+    k: int,
+    length: float,
+    end_values: Floats,
+) -> None:
+    """Keep what a slave's inputs were led to at the end of the step from row k."""
+    for n in range(ends.first[slave], ends.first[slave + 1]):
+        lead = ends.lead[n]
+        value = inputs.value[ends.slot[n]] if lead < 0 else led_to(inputs, leads, lead, length)
+        for m in range(ends.first_term[n], ends.first_term[n + 1]):
+            column = ends.term_column[m]
+            value += inputs.value[ends.term_slot[m]] * (rows[k + 1, column] - rows[k, column])
+        end_values[k, n] = value

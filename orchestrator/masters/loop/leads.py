@@ -1,0 +1,362 @@
+"""How inputs are led over a macro step: tables, and the moves of the compiled loop on them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numba.extending import register_jitable
+from numpy.typing import NDArray
+
+from ...plan.plan import (
+    Link,
+    Plan,
+)
+from ...slaves import abi as ffi
+from ..coupling import (
+    Coupling,
+    Way,
+    interpolated,
+)
+from .tables import (
+    Calls,
+    Feed,
+    Floats,
+    Ints,
+    References,
+    addresses,
+    ints,
+    starts,
+)
+from .tangents import Target
+
+KNOWN_END, DECLARED_RATE, EXTRAPOLATED, DERIVED = range(4)
+"""Where a speed comes from: both ends, a declared rate, the last values, a tangent's source."""
+
+LINE, PARABOLA, MEAN, END = range(4)
+"""What an FMU is given of its input: the line with the parabola's mean, the parabola, the mean as a
+constant, or the known end as a constant."""
+
+
+class Leads(NamedTuple):
+    """Inputs by group: value + speed t + bend t^2 / 2, with t [s] from the step's beginning.
+
+    Speed and bend are `gain` times what `kind` says of the source's `column`. rate: the column of a
+    declared rate times `rate_gain`, or the entry of a tangent's results; second: the column of its
+    own declared rate times `second_gain`, or -1. every: macro steps between two new values of the
+    column. slot: the input's place in the feed.
+    """
+
+    first: Ints
+    kind: Ints
+    column: Ints
+    gain: Floats
+    rate: Ints
+    rate_gain: Floats
+    second: Ints
+    second_gain: Floats
+    every: Ints
+    shape: Ints
+    slot: Ints
+    speed: Floats
+    bend: Floats
+
+
+class Sent(NamedTuple):
+    """Input derivatives of each group, by lead and order."""
+
+    first: Ints
+    lead: Ints
+    value: Floats
+    value_address: Ints
+    reference: References
+    reference_address: Ints
+    order: NDArray[np.int32]
+    order_address: Ints
+
+
+class Finals(NamedTuple):
+    """Inputs that do not end where they lead, by slave: set there before its outputs are read."""
+
+    first: Ints
+    lead: Ints
+    value: Floats
+    value_address: Ints
+    reference: References
+    reference_address: Ints
+
+
+class Ends(NamedTuple):
+    """Inputs whose value at the end of each step is kept, by slave.
+
+    lead: or -1. Terms: a partial's slot times a column's change.
+    """
+
+    first: Ints
+    slot: Ints
+    lead: Ints
+    first_term: Ints
+    term_slot: Ints
+    term_column: Ints
+
+
+@dataclass
+class Lead:
+    """One input's entry in `Leads`."""
+
+    link: Link
+    kind: int
+    column: int
+    shape: int = LINE
+    rate: int = -1
+    rate_gain: float = 1.0
+    second: int = -1
+    second_gain: float = 0.0
+
+
+def leads_of(plan: Plan, coupling: Coupling, targets: Sequence[Target]) -> list[list[Lead]]:
+    """By slave the leads of its inputs; those by a tangent alone and the held have none."""
+    found: list[list[Lead]] = []
+    for target in targets:
+        group = []
+        for link in target.links:
+            way = coupling.ways[link]
+            if way is Way.TANGENT and link in target.rate_entry:
+                column = plan.column_of[link.source, link.output.name]
+                group.append(Lead(link, DERIVED, column, rate=target.rate_entry[link]))
+            elif way not in (Way.TANGENT, Way.HELD):
+                group.append(best_lead(plan, coupling, link, link.target))
+        found.append(group)
+    return found
+
+
+def best_lead(plan: Plan, coupling: Coupling, link: Link, reader: int) -> Lead:
+    """The best lead of a link that is known when `reader` is about to step."""
+    column = plan.column_of[link.source, link.output.name]
+    target = plan.descriptions[link.target]
+    shape = LINE if interpolated(plan, link) else MEAN
+    led = coupling.ways[link] is not Way.EXTRAPOLATED and link.source != reader
+    if led and coupling.stepped_before(link.source, reader):
+        held = coupling.degree == 0 and plan.every[reader] == 1
+        return Lead(link, KNOWN_END, column, END if held else shape)
+    if link not in coupling.rates:
+        takes_parabola = shape == LINE and coupling.degree == 2 and target.input_order >= 2
+        return Lead(link, EXTRAPOLATED, column, PARABOLA if takes_parabola else shape)
+    (name, factor), *second = coupling.rates[link]
+    rate = plan.column_of[link.source, name]
+    lead = Lead(link, DECLARED_RATE, column, shape, rate, factor)
+    for name, more in second:
+        lead.second, lead.second_gain = plan.column_of[link.source, name], factor * more
+    return lead
+
+
+def lead_tables(
+    plan: Plan, groups: Sequence[Sequence[Lead]], first_slot: Ints | None = None
+) -> tuple[Leads, Sent, Finals]:
+    """Tables of groups of leads; `first_slot` is where each slave's inputs begin in the feed."""
+    flat = [lead for group in groups for lead in group]
+    slots = [-1] * len(flat)
+    if first_slot is not None:
+        at = {k: n for i in range(len(plan.names)) for n, k in enumerate(plan.links_of(i))}
+        slots = [int(first_slot[lead.link.target]) + at[lead.link] for lead in flat]
+    leads = Leads(
+        first=starts([len(group) for group in groups]),
+        kind=ints(lead.kind for lead in flat),
+        column=ints(lead.column for lead in flat),
+        gain=np.array([lead.link.gain for lead in flat], float),
+        rate=ints(lead.rate for lead in flat),
+        rate_gain=np.array([lead.rate_gain for lead in flat], float),
+        second=ints(lead.second for lead in flat),
+        second_gain=np.array([lead.second_gain for lead in flat], float),
+        every=ints(plan.every[lead.link.source] for lead in flat),
+        shape=ints(lead.shape for lead in flat),
+        slot=ints(slots),
+        speed=np.zeros(len(flat)),
+        bend=np.zeros(len(flat)),
+    )
+    orders = {LINE: (1,), PARABOLA: (1, 2), MEAN: (), END: ()}
+    sent = [
+        [(lead, n, o) for lead, n in numbered for o in orders[lead.shape]]
+        for numbered in _numbered(groups)
+    ]
+    final = [
+        [(lead, n) for lead, n in numbered if lead.second >= 0 or lead.shape == MEAN]
+        for numbered in _numbered(groups)
+    ]
+    return leads, _sent(sent), _finals(final)
+
+
+def _numbered(groups: Sequence[Sequence[Lead]]) -> list[list[tuple[Lead, int]]]:
+    first = starts([len(group) for group in groups])
+    return [
+        [(lead, int(begin) + n) for n, lead in enumerate(group)]
+        for begin, group in zip(first, groups, strict=False)
+    ]
+
+
+def _sent(groups: Sequence[Sequence[tuple[Lead, int, int]]]) -> Sent:
+    flat = [entry for group in groups for entry in group]
+    first = starts([len(group) for group in groups])
+    value, order = np.zeros(len(flat)), np.array([o for _, _, o in flat], np.int32)
+    reference = np.array([lead.link.input.reference for lead, _, _ in flat], np.uint32)
+    return Sent(
+        first=first,
+        lead=ints(n for _, n, _ in flat),
+        value=value,
+        value_address=addresses(value, first),
+        reference=reference,
+        reference_address=addresses(reference, first),
+        order=order,
+        order_address=addresses(order, first),
+    )
+
+
+def _finals(groups: Sequence[Sequence[tuple[Lead, int]]]) -> Finals:
+    flat = [entry for group in groups for entry in group]
+    first = starts([len(group) for group in groups])
+    value = np.zeros(len(flat))
+    reference = np.array([lead.link.input.reference for lead, _ in flat], np.uint32)
+    return Finals(
+        first=first,
+        lead=ints(n for _, n in flat),
+        value=value,
+        value_address=addresses(value, first),
+        reference=reference,
+        reference_address=addresses(reference, first),
+    )
+
+
+def end_table(
+    plan: Plan,
+    coupling: Coupling,
+    targets: Sequence[Target],
+    groups: Sequence[Sequence[Lead]],
+    first_slot: Ints,
+    led: Sequence[Link],
+) -> Ends:
+    """The table of the links `led`, which are sorted by target."""
+    numbers = {lead.link: n for numbered in _numbered(groups) for lead, n in numbered}
+    slot, lead, sizes, term_slot, term_column = [], [], [], [], []
+    count = [0] * len(targets)
+    for link in led:
+        target, begin = targets[link.target], int(first_slot[link.target])
+        count[link.target] += 1
+        slot.append(begin + target.links.index(link))
+        lead.append(numbers.get(link, -1))
+        terms = coupling.tangents[link] if coupling.ways[link] is Way.TANGENT else []
+        sizes.append(len(terms))
+        for tangent in terms:
+            term_slot.append(begin + len(target.links) + target.partials.index(tangent.partial))
+            term_column.append(plan.column_of[link.target, tangent.output])
+    return Ends(
+        starts(count), ints(slot), ints(lead), starts(sizes), ints(term_slot), ints(term_column)
+    )
+
+
+@register_jitable(inline="always")
+def extrapolate(
+    rows: Floats, column: int, k: int, every: int, degree: int, step: float
+) -> tuple[float, float]:
+    """Speed and bend at row k of the polynomial through the last values of a column."""
+    last = k - k % every
+    most = min(degree, last // every)
+    if most == 0:
+        return 0.0, 0.0
+    apart = every * step
+    newest, before = rows[last, column], rows[last - every, column]
+    speed, bend = newest - before, 0.0
+    if most == 2:
+        bend = speed - (before - rows[last - 2 * every, column])
+        speed += 0.5 * bend
+    speed, bend = speed / apart, bend / (apart * apart)
+    return speed + bend * (k - last) * step, bend
+
+
+@register_jitable(inline="always")
+def find_leads(
+    leads: Leads, group: int, window: int, degree: int, rows: Floats, k: int, step: float,
+    result: Floats,
+) -> None:  # fmt: skip
+    """Speeds and bends of a group over the `window` macro steps that end at row k + 1."""
+    start, length = k + 1 - window, window * step
+    for n in range(leads.first[group], leads.first[group + 1]):
+        kind, column = leads.kind[n], leads.column[n]
+        speed, bend = 0.0, 0.0
+        if kind == KNOWN_END:
+            speed = (rows[k + 1, column] - rows[start, column]) / length
+        elif kind == DERIVED:
+            speed = result[leads.rate[n]]
+        else:
+            if kind == EXTRAPOLATED:
+                speed, bend = extrapolate(rows, column, k, leads.every[n], degree, step)
+            else:
+                speed = leads.rate_gain[n] * rows[k, leads.rate[n]]
+                if leads.second[n] >= 0:
+                    bend = leads.second_gain[n] * rows[k, leads.second[n]]
+            if window > 1:  # from the value at the start straight to the end that this predicts
+                end = rows[k, column] + step * (speed + 0.5 * step * bend)
+                speed, bend = (end - rows[start, column]) / length, 0.0
+        leads.speed[n], leads.bend[n] = leads.gain[n] * speed, leads.gain[n] * bend
+
+
+@register_jitable(inline="always")
+def change(leads: Leads, n: int, length: float) -> float:
+    """Change of an input over a step of a length [s]."""
+    return length * (leads.speed[n] + 0.5 * length * leads.bend[n])
+
+
+@register_jitable(inline="always")
+def mean_change(leads: Leads, n: int, length: float) -> float:
+    """The mean over a step of an input's change."""
+    return 0.5 * length * (leads.speed[n] + length / 3.0 * leads.bend[n])
+
+
+@register_jitable(inline="always")
+def led_to(inputs: Feed, leads: Leads, n: int, length: float) -> float:
+    """The value that an input ends a step with."""
+    value = inputs.value[leads.slot[n]]
+    moved = change(leads, n, length)
+    if leads.shape[n] == MEAN:
+        return value + moved - mean_change(leads, n, length)
+    return value if leads.shape[n] == END else value + moved
+
+
+@register_jitable(inline="always")
+def lead_constants(leads: Leads, group: int, inputs: Feed, length: float) -> None:
+    """Move the inputs that are constant over a step to their mean, or to their end."""
+    for n in range(leads.first[group], leads.first[group + 1]):
+        if leads.shape[n] == MEAN:
+            inputs.value[leads.slot[n]] += mean_change(leads, n, length)
+        elif leads.shape[n] == END:
+            inputs.value[leads.slot[n]] += change(leads, n, length)
+
+
+@register_jitable(inline="always")
+def fill_sent(sent: Sent, group: int, leads: Leads, length: float) -> None:
+    """Input derivatives of a group: a line has the mean of the parabola over the step."""
+    for n in range(sent.first[group], sent.first[group + 1]):
+        lead = sent.lead[n]
+        if sent.order[n] == 2:
+            sent.value[n] = leads.bend[lead]
+        elif leads.shape[lead] == PARABOLA:
+            sent.value[n] = leads.speed[lead]
+        else:
+            sent.value[n] = leads.speed[lead] + length / 3.0 * leads.bend[lead]
+
+
+@register_jitable(inline="always")
+def send_rates(calls: Calls, slave: int, sent: Sent) -> int:
+    """Set the input derivatives of a slave; the status."""
+    count = sent.first[slave + 1] - sent.first[slave]
+    if count == 0:
+        return 0
+    return ffi.rates(
+        calls.set_rates[slave],
+        calls.instance[slave],
+        sent.reference_address[slave],
+        count,
+        sent.order_address[slave],
+        sent.value_address[slave],
+    )

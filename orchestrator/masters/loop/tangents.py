@@ -1,0 +1,176 @@
+"""Tangents of the one-pass master: directional derivatives to ask for, and where they go."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from ...plan.plan import (
+    Link,
+    Plan,
+)
+from ..coupling import (
+    Coupling,
+    Way,
+    drives,
+    uncovered,
+)
+from .tables import (
+    Floats,
+    Ints,
+    References,
+    addresses,
+    ints,
+    starts,
+)
+
+
+class Tangents(NamedTuple):
+    """Directional derivatives to ask for before a slave steps, and where they go.
+
+    By target slave. Seeds are constants, or the speeds of `seed_group` where that is not negative.
+    Then the target's input slots get `gain` times an entry of the results.
+    """
+
+    first: Ints
+    source: Ints
+    unknown: References
+    unknown_count: Ints
+    unknown_address: Ints
+    known: References
+    known_count: Ints
+    known_address: Ints
+    seed: Floats
+    seed_address: Ints
+    seed_group: Ints
+    result: Floats
+    result_address: Ints
+    first_slot: Ints
+    slot: Ints
+    entry: Ints
+    gain: Floats
+
+
+@dataclass
+class Call:
+    """One directional derivative: outputs of a source along a seed of its inputs."""
+
+    source: int
+    unknowns: list[str]
+    knowns: list[Link]
+    seed: list[float]
+    seed_group: int = -1
+    first_result: int = 0
+
+
+@dataclass
+class Target:
+    """What is gathered for one slave: `fills` are partial, entry of the results, gain."""
+
+    links: list[Link]
+    partials: list[str] = field(default_factory=list)
+    calls: list[Call] = field(default_factory=list)
+    fills: list[tuple[int, int, float]] = field(default_factory=list)
+    rate_entry: dict[Link, int] = field(default_factory=dict)
+
+
+def gather(plan: Plan, coupling: Coupling) -> tuple[list[Target], list[list[Link]]]:
+    """By slave what its tangents need, and the groups of links whose speeds are seeds."""
+    seeds: list[list[Link]] = []
+    results = 0
+    targets = [Target(plan.links_of(i)) for i in range(len(plan.names))]
+    for target in targets:
+        followed = [k for k in target.links if coupling.ways[k] is Way.TANGENT]
+        for source in dict.fromkeys(k.source for k in followed):
+            links = [k for k in followed if k.source == source]
+            _gather_source(plan, coupling, target, links, seeds)
+        for call in target.calls:
+            call.first_result, results = results, results + len(call.unknowns)
+        _assign_results(coupling, target)
+    return targets, seeds
+
+
+def _gather_source(
+    plan: Plan,
+    coupling: Coupling,
+    target: Target,
+    links: list[Link],
+    seeds: list[list[Link]],
+) -> None:
+    """Calls of one source for the tangents of the links that it drives."""
+    wanted = {link: {t.output: t for t in coupling.tangents[link]} for link in links}
+    for own in dict.fromkeys(output for tangents in wanted.values() for output in tangents):
+        knowns = drives(plan, links[0], own)
+        asking = [link for link in links if own in wanted[link]]
+        unknowns = list(dict.fromkeys(link.output.name for link in asking))
+        target.calls.append(Call(links[0].source, unknowns, knowns, [k.gain for k in knowns]))
+        target.partials += [wanted[link][own].partial for link in asking]
+    rest: dict[tuple[Link, ...], list[Link]] = {}
+    for link in links:
+        if moving := uncovered(plan, link, coupling.tangents[link]):
+            rest.setdefault(tuple(moving), []).append(link)
+    for others, asking in rest.items():
+        unknowns = list(dict.fromkeys(link.output.name for link in asking))
+        call = Call(links[0].source, unknowns, list(others), [0.0] * len(others), len(seeds))
+        seeds.append(list(others))
+        target.calls.append(call)
+
+
+def _assign_results(coupling: Coupling, target: Target) -> None:
+    """Where the results of the calls go: partials of the target, or rates of its inputs."""
+    for call in target.calls:
+        entry = {name: call.first_result + n for n, name in enumerate(call.unknowns)}
+        for link in target.links:
+            if coupling.ways[link] is not Way.TANGENT or link.source != call.source:
+                continue
+            if link.output.name not in entry:
+                continue
+            if call.seed_group >= 0:
+                target.rate_entry.setdefault(link, entry[link.output.name])
+                continue
+            for tangent in coupling.tangents[link]:
+                if tangent.output == call.knowns[0].output.name:
+                    place = target.partials.index(tangent.partial)
+                    target.fills.append((place, entry[link.output.name], link.gain))
+
+
+def tangent_table(plan: Plan, targets: Sequence[Target], first_slot: Ints) -> Tangents:
+    """The table; `first_slot` is where each slave's inputs begin."""
+    calls = [call for target in targets for call in target.calls]
+    unknown_count = [len(call.unknowns) for call in calls]
+    known_count = [len(call.knowns) for call in calls]
+    unknown = np.array(
+        [plan.descriptions[c.source].variables[n].reference for c in calls for n in c.unknowns],
+        np.uint32,
+    )
+    known = np.array([k.input.reference for call in calls for k in call.knowns], np.uint32)
+    seed = np.array([value for call in calls for value in call.seed], float)
+    result = np.zeros(sum(unknown_count))
+    fills = [
+        (int(first_slot[i]) + len(target.links) + place, entry, gain)
+        for i, target in enumerate(targets)
+        for place, entry, gain in target.fills
+    ]
+    known_first = starts(known_count)[:-1]
+    return Tangents(
+        first=starts([len(target.calls) for target in targets]),
+        source=ints(call.source for call in calls),
+        unknown=unknown,
+        unknown_count=ints(unknown_count),
+        unknown_address=addresses(unknown, starts(unknown_count)[:-1]),
+        known=known,
+        known_count=ints(known_count),
+        known_address=addresses(known, known_first),
+        seed=seed,
+        seed_address=addresses(seed, known_first),
+        seed_group=ints(call.seed_group for call in calls),
+        result=result,
+        result_address=addresses(result, [call.first_result for call in calls]),
+        first_slot=starts([len(target.fills) for target in targets]),
+        slot=ints(slot for slot, _, _ in fills),
+        entry=ints(entry for _, entry, _ in fills),
+        gain=np.array([gain for _, _, gain in fills], float),
+    )

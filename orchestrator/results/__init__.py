@@ -1,0 +1,1 @@
+"""What a run leaves: the record, the file, energies, metrics."""

@@ -1,0 +1,105 @@
+"""Energy through each power bond, and the residual between its two sides."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from ..plan.plan import Link
+from ..plan.bonds import Bond
+
+
+@dataclass(frozen=True)
+class BondResidual:
+    """Energy through a bond, its size summed, and what the sides saw differently [J].
+
+    jumps: change of the force from step to step over twice its size: small for what moves, 1 for
+    what jumps to and fro, as it does in a coupling that is unstable.
+    """
+
+    name: str
+    passed: float
+    residual: float
+    jumps: float = 0.0
+
+    @property
+    def relative(self) -> float:
+        """Size of the residual over the energy that passed; 0 where nothing passed."""
+        return 0.0 if self.passed == 0.0 else abs(self.residual) / self.passed
+
+
+class BondSums:
+    """Energy of every bond, summed up step by step: in whatever blocks, to the same last bit.
+
+    column_of: column of the record, by source and name of its output. led: links whose input's
+    value at the end of each step is known, and their columns.
+    """
+
+    def __init__(
+        self,
+        bonds: Sequence[Bond],
+        column_of: Mapping[tuple[int, str], int],
+        led: Mapping[Link, int],
+        step: float,
+    ) -> None:
+        self._bonds, self._column_of, self._led, self._step = bonds, column_of, led, step
+        # Passed, residual [J]; change of the force from step to step, and its size [N].
+        self.values = np.zeros((4, len(bonds)))
+
+    def add(self, rows: NDArray[np.float64], ends: NDArray[np.float64]) -> None:
+        """Add the steps between rows, shape (steps + 1, columns).
+
+        ends: what led inputs were led to at the end of each step [target's unit].
+        """
+        with np.errstate(over="ignore", invalid="ignore"):  # what blows up is for the verdict
+            self._add(rows, ends)
+
+    def _add(self, rows: NDArray[np.float64], ends: NDArray[np.float64]) -> None:
+        for n, bond in enumerate(self._bonds):
+            force, force_end = self._side(bond.force, rows, ends)
+            velocity, velocity_end = self._side(bond.velocity, rows, ends)
+            f0, v0 = force[:-1], velocity[:-1]
+            source = _work(f0, force[1:], v0, velocity_end, self._step) * bond.watts
+            target = _work(f0, force_end, v0, velocity[1:], self._step) * bond.watts
+            for total, terms in (
+                (self.values[0], 0.5 * (np.abs(source) + np.abs(target))),
+                (self.values[1], source - target),
+                (self.values[2], np.abs(force[1:] - f0)),
+                (self.values[3], np.abs(force[1:]) + np.abs(f0)),
+            ):
+                total[n] = np.cumsum(np.append(total[n], terms))[-1]
+
+    def residuals(self) -> list[BondResidual]:
+        """Energy residual of every bond so far."""
+        return [
+            BondResidual(bond.name, passed, residual, change / size if size > 0.0 else 0.0)
+            for bond, (passed, residual, change, size) in zip(
+                self._bonds, self.values.T.tolist(), strict=True
+            )
+        ]
+
+    def _side(
+        self, link: Link, rows: NDArray[np.float64], ends: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The output, and what the input was led to at each step's end [source's unit]."""
+        values = rows[:, self._column_of[link.source, link.output.name]]
+        column = self._led.get(link)
+        if column is None:
+            return values, values[:-1]
+        return values, (ends[:, column] - link.offset) / link.gain
+
+
+def _work(
+    f0: NDArray[np.float64],
+    f1: NDArray[np.float64],
+    v0: NDArray[np.float64],
+    v1: NDArray[np.float64],
+    step: float,
+) -> NDArray[np.float64]:
+    """Integral over a step of the product of two linear functions."""
+    return step / 6.0 * (2.0 * f0 * v0 + f0 * v1 + f1 * v0 + 2.0 * f1 * v1)

@@ -1,0 +1,159 @@
+"""What a run leaves row by row: a window of it in memory, energies summed, the rest in a file."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import RecordSizeError
+from ..masters.loop.tables import Prepared
+from ..plan.plan import Plan
+from ..run.grid import Grid
+from .energy import (
+    BondResidual,
+    BondSums,
+)
+from .netcdf import ResultsFile
+
+BLOCK = 2048
+"""Rows that are written at a time."""
+
+FLUSH = 2.0
+"""Wall time [s] after which rows are written though there is room for more."""
+
+
+class Recording:
+    """The record of a run, shape (steps + 1, columns), of which memory may hold the newest rows.
+
+    rows, ends: arrays of the whole shape, indexed by macro step, whatever is in memory of them; no
+    other rows than those from `first` to `last` may be touched. constant: inputs that nothing
+    drives, which stand behind the columns. every: rows at its multiples are kept. memory: bound
+    of what is held [bytes]; older rows go to `file`.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        prepared: Prepared,
+        grid: Grid,
+        constant: NDArray[np.float64],
+        every: int = 1,
+        memory: float | None = None,
+    ) -> None:
+        self._plan, self._grid = plan, grid
+        self._constant, self._every, self._behind = constant, every, prepared.behind
+        self.file: ResultsFile | None = None
+        columns = len(plan.columns)
+        self._count = grid.steps + 1
+        if memory is not None:
+            size = 8 * (columns + len(prepared.led))
+            fitting = int(memory / size)
+            least = 16 * prepared.behind
+            if fitting < least:
+                raise RecordSizeError(
+                    f"results cannot be kept in {memory:g} bytes of memory: {least} rows of "
+                    f"{columns} values need {least * size} bytes; give more"
+                )
+            self._count = min(self._count, fitting)
+        self._rows = _room(self._count, columns)
+        self._ends = _room(self._count, len(prepared.led))
+        self._sums = BondSums(plan.bonds, plan.column_of, prepared.led, grid.step)
+        self._taken = 0  # rows that are summed up and in the file
+        self._flushed = time.perf_counter()
+        self._show(0)
+
+    @property
+    def last(self) -> int:
+        """The last row for which there is room."""
+        return min(self.first + self._count, self._grid.steps + 1) - 1
+
+    def take(self, done: int, now: bool = False) -> None:
+        """Rows before `done` are complete: write them where that is due, or `now`; make room.
+
+        Raises ResultsError where the file cannot be written.
+        """
+        full = self.last < self._grid.steps and done > self.last
+        waited = self.file is not None and time.perf_counter() - self._flushed > FLUSH
+        if not (now or full or waited):
+            return
+        while self._taken < done:
+            first, self._taken = self._taken, min(self._taken + BLOCK, done)
+            before = max(first - 1, 0)
+            self._sums.add(self.rows[before : self._taken], self.ends[before : self._taken - 1])
+            if self.file is not None:
+                self.file.append(self.kept(first, self._taken))
+        self._flushed = time.perf_counter()
+        if full:
+            first = max(self.first, done - self._behind)
+            self._rows[: done - first] = self.rows[first:done]
+            self._ends[: done - first] = self.ends[first:done]
+            self._show(first)
+
+    def residuals(self) -> list[BondResidual]:
+        """Energy residual of every bond, over the rows that were taken."""
+        return self._sums.residuals() if self._taken > 1 else []
+
+    def memory(self, done: int) -> dict[str, NDArray[Any]]:
+        """What a continued run needs: the newest rows, and sums."""
+        first = max(self.first, done - self._behind)
+        return {
+            "rows": self.rows[first:done].copy(),
+            "ends": self.ends[first:done].copy(),
+            "sums": self._sums.values,
+        }
+
+    def restore(self, done: int, memory: dict[str, NDArray[Any]]) -> None:
+        """Go on after `done` rows."""
+        count = len(memory["rows"])
+        self._rows[:count], self._ends[:count] = memory["rows"], memory["ends"]
+        self._sums.values[:] = memory["sums"]
+        self._taken = done
+        self._show(done - count)
+
+    def kept(self, first: int, last: int) -> NDArray[np.float64]:
+        """Time and recorded values of those of some rows that are kept, shape (n, 1 + values)."""
+        first = -(-first // self._every) * self._every
+        values = self.rows[first : last : self._every]
+        if len(self._plan.recorded) < values.shape[1]:
+            values = values[:, self._plan.recorded]
+        times = self._grid.time(np.arange(first, last, self._every))
+        constant = np.broadcast_to(self._constant, (len(times), len(self._constant)))
+        return np.hstack([times[:, None], values, constant])
+
+    def _show(self, first: int) -> None:
+        self.first = first
+        self.rows = _shifted(self._rows, first, self._grid.steps + 1)
+        self.ends = _shifted(self._ends, first, self._grid.steps + 1)
+
+
+def _room(rows: int, columns: int) -> NDArray[np.float64]:
+    """Room for rows, in memory before the clock starts."""
+    try:
+        return np.full((rows, columns), np.nan)
+    except (MemoryError, ValueError):  # numpy refuses absurd sizes as values
+        raise RecordSizeError(
+            f"a record of {rows} rows of {columns} values does not fit into memory; write it to a "
+            "file as it is made, give a longer step or a shorter duration, or record fewer outputs"
+        ) from None
+
+
+class _Shifted:
+    """Says to numpy where an array would begin whose later rows are those of `values`."""
+
+    def __init__(self, values: NDArray[np.float64], first: int, rows: int) -> None:
+        self._values = values
+        address = values.ctypes.data - first * values.shape[1] * values.itemsize
+        self.__array_interface__ = {
+            "version": 3,
+            "typestr": values.dtype.str,
+            "shape": (rows, values.shape[1]),
+            "data": (address, False),
+        }
+
+
+def _shifted(values: NDArray[np.float64], first: int, rows: int) -> NDArray[np.float64]:
+    """`values` as the rows from `first` on of an array with more rows, which are not there."""
+    return np.asarray(_Shifted(values, first, rows))

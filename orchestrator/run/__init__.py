@@ -1,0 +1,1 @@
+"""The life of a run: initial values, macro steps, texts, checkpoints, log."""

@@ -1,0 +1,82 @@
+"""Values at the start: carried along the connections and around loops until they settle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import (
+    InitializationError,
+    SlaveError,
+)
+from ..plan.plan import Plan
+from ..slaves.base import Slave
+
+PASSES = 200
+"""A contracting circle of outputs and inputs settles within these; a chain needs its length."""
+
+SETTLED = 1e-12
+"""Relative change of an output between two passes that counts as none."""
+
+
+def settle(plan: Plan, slaves: Sequence[Slave]) -> NDArray[np.float64]:
+    """Set every connected input from its source until no output changes; the outputs by column.
+
+    Raises InitializationError naming the variables that do not settle or are not finite.
+    """
+    from ..masters.loop import tables
+
+    table = tables.calls(plan, slaves, [int(n) for n in np.diff(plan.first_column)])
+    inputs = tables.feed(plan, [plan.links_of(i) for i in range(len(slaves))])
+    refresh = tables.refresh_tables(plan, table)
+    guessed = [plan.column_of[port] for loop in plan.loops for port in loop.guessed]
+    tolerance = 10.0 * tables.LOOP_TOLERANCE if plan.loops else SETTLED
+    rows, report = np.zeros((1, len(plan.columns))), np.zeros(4, np.int64)
+    row, address = rows[0], rows.ctypes.data
+    for i in range(len(slaves)):
+        _check(slaves, i, "cannot read its outputs", tables.read_early(table, i, address))
+    for _ in range(PASSES):
+        previous = row.copy()
+        for i in range(len(slaves)):
+            status = tables.set_inputs(table, i, inputs, i, rows, 0)
+            _check(slaves, i, "cannot set its inputs", status)
+            _check(slaves, i, "cannot read its outputs", tables.read_early(table, i, address))
+        row[guessed] = previous[guessed]  # one time around a loop may lead away
+        tables.refresh_outputs(table, *refresh, rows, 0, address, report)
+        finite = np.isfinite(row)
+        if not finite.all():
+            wrong = int(np.flatnonzero(~finite)[0])
+            raise InitializationError(
+                f"{plan.name(*plan.columns[wrong])} is {row[wrong]} at the start"
+            )
+        if report[1] == tables.LOOP:
+            raise InitializationError(f"{loop_failure(plan, report)} at the start")
+        if report[1]:
+            _check(slaves, int(report[2]), "cannot be initialized", int(report[3]))
+        moving = np.abs(row - previous) > tolerance * np.maximum(np.abs(row), np.abs(previous))
+        if not moving.any():
+            return row
+    names = ", ".join(plan.name(*plan.columns[n]) for n in np.flatnonzero(moving))
+    raise InitializationError(
+        f"the values at the start do not settle in {PASSES} passes along the connections; "
+        f"still changing: {names}"
+    )
+
+
+def loop_failure(plan: Plan, report: NDArray[np.int64]) -> str:
+    """What to say of an algebraic loop that a report names."""
+    from ..masters.loop.tables import LOOP_PASSES
+
+    guessed = plan.loops[int(report[2])].guessed
+    names = [f"{plan.names[i]}.{name}" for i, name in guessed]
+    return (
+        f"the algebraic loop through {', '.join(names)} does not converge in {LOOP_PASSES} "
+        f"evaluations ({names[int(report[3])]} changes most)"
+    )
+
+
+def _check(slaves: Sequence[Slave], i: int, failure: str, status: int) -> None:
+    if status > 1:
+        raise SlaveError(f"{slaves[i].name} {failure}{slaves[i].said()}")

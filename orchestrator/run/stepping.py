@@ -1,0 +1,309 @@
+"""The macro loop in chunks, so that progress can be shown and Ctrl-C heard; why it stopped."""
+
+from __future__ import annotations
+
+import signal
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import (
+    CheckpointError,
+    OrchestratorError,
+    ResultsError,
+    SlaveError,
+)
+from ..masters.loop.tables import (
+    CALLS,
+    LOOP,
+    NOT_CONVERGED,
+    NOT_FINITE,
+    Prepared,
+)
+from ..plan.plan import (
+    Plan,
+    columns_of,
+)
+from ..results.recording import Recording
+from ..results.run import Iterations
+from ..slaves.base import (
+    Addresses,
+    Slave,
+)
+from ..slaves.inline import MockSlave
+from .checkpoint import Checkpoints
+from .grid import Grid
+from .initial_values import loop_failure
+from .simulate import Progress
+from .texts import Texts
+
+CHUNK = 0.07
+"""Wall time [s] between two looks at the progress callback and at Ctrl-C."""
+
+START = 64
+"""Parts that a macro step is divided into while there are no values to extrapolate from."""
+
+
+class Stepper:
+    """A master at work on a recording whose first row is known."""
+
+    def __init__(
+        self,
+        prepared: Prepared,
+        plan: Plan,
+        slaves: Sequence[Slave],
+        grid: Grid,
+        recording: Recording,
+        compiled: bool,
+    ) -> None:
+        self._plan, self._slaves, self._grid = plan, slaves, grid
+        self._prepared, self._recording = prepared, recording
+        self._advance = prepared.advance if compiled else prepared.advance.py_func
+        self._report = np.array([1, 0, 0, 0], np.int64)
+        self._chunk(0, 0)  # compiles, or loads what was compiled before
+        self.wall = 0.0
+        self.notes = self._prepared.notes
+
+    @property
+    def rows_done(self) -> int:
+        """Number of rows of the record that are complete."""
+        return int(self._report[0])
+
+    def now(self) -> float:
+        """Time [s] of the last communication point that is complete."""
+        return self._time(self.rows_done - 1)
+
+    def resume(self, rows: int) -> None:
+        """Take so many rows for complete."""
+        self._report[0] = rows
+
+    def run(
+        self, progress: Progress | None, texts: Texts, checkpoints: Checkpoints | None = None
+    ) -> str | None:
+        """Step to the end, or to what stops it: the reason, else None.
+
+        Where there are texts to exchange, each step is a chunk of its own.
+        """
+        reason = self._run(progress, texts, checkpoints)
+        with suppress(KeyboardInterrupt), uninterrupted():
+            try:
+                self._recording.take(self.rows_done, now=True)
+            except ResultsError as error:
+                return reason or self._unwritten(error)
+        return reason
+
+    def _run(
+        self, progress: Progress | None, texts: Texts, checkpoints: Checkpoints | None
+    ) -> str | None:
+        begin = time.perf_counter()
+        size = 1 if texts.watched else 16
+        try:
+            begins = self.rows_done == 1 and not texts.watched
+            done = self._begin() if begins else self.rows_done - 1
+            if self._report[1]:
+                return self._reason()
+            while done < self._grid.steps:
+                chunk_begin = time.perf_counter()
+                last = min(done + size, self._recording.last)
+                if checkpoints is not None:
+                    last = min(last, (done // checkpoints.interval + 1) * checkpoints.interval)
+                count, done = last - done, self._chunk(done, last)
+                self.wall = time.perf_counter() - begin
+                if self._report[1]:
+                    return self._reason()
+                spent = max(time.perf_counter() - chunk_begin, 1e-6)
+                with uninterrupted():
+                    self._recording.take(self.rows_done)
+                    texts.exchange(self._grid.time(done))
+                    if checkpoints is not None and done % checkpoints.interval == 0:
+                        checkpoints.write(self.rows_done)
+                if progress is not None:
+                    progress(self._grid.time(done), self.wall)
+                if not texts.watched:
+                    size = max(1, int(count * min(CHUNK / spent, 16.0)))
+        except KeyboardInterrupt:
+            return self._interrupted()
+        except (ResultsError, CheckpointError, SlaveError) as error:
+            return self._unwritten(error)
+        finally:
+            self.wall = time.perf_counter() - begin
+        return None
+
+    def _begin(self) -> int:
+        """The first macro steps in small ones, so that there are values to extrapolate from."""
+        count = min(self._prepared.start_order, self._recording.last)
+        if count == 0:
+            return 0
+        columns, led = len(self._plan.columns), self._prepared.led
+        rows = np.full((count * START + 1, columns), np.nan)
+        rows[0] = self._recording.rows[0]
+        ends = np.empty((count * START, len(led)))
+        self._call(0, count * START, self._grid.step / START, rows, ends, self._report)
+        complete = int(self._report[0])
+        done = (complete - 1) // START
+        kept = self._recording.rows
+        kept[: done + 1] = rows[: done * START + 1 : START]
+        if self._report[1] == NOT_FINITE:
+            kept[done + 1] = rows[complete]
+        for link, column in led.items():
+            values = kept[1 : done + 1, self._plan.column_of[link.source, link.output.name]]
+            self._recording.ends[:done, column] = link.gain * values + link.offset
+        self._report[0] = done + 1
+        return done
+
+    def iterations(self) -> list[Iterations]:
+        """Evaluations of each part that repeats its macro steps."""
+        solved = self._prepared.solved
+        steps = self.rows_done - 1
+        if solved is None or steps == 0:
+            return []
+        return [
+            Iterations(", ".join(slaves), int(state[2]) / steps, int(state[3]), len(slaves))
+            for slaves, state in zip(solved.slaves, solved.unknowns.state, strict=True)
+        ]
+
+    def fmu_steps(self) -> float:
+        """Steps of an FMU in a macro step, on average over the FMUs."""
+        repeated = sum(i.slaves * (i.mean - 1.0) for i in self.iterations())
+        return (sum(1.0 / every for every in self._plan.every) + repeated) / len(self._slaves)
+
+    def messages(self) -> list[str]:
+        """What the FMUs logged, once each."""
+        said = [f"{slave.name} says: {text}" for slave in self._slaves for text in slave.messages]
+        rounded = [f"{slave.name}.{remark}" for slave in self._slaves for remark in slave.remarks()]
+        return list(dict.fromkeys([*said, *rounded]))
+
+    def share_inside(self) -> float:
+        """Share of the stepping time inside the FMUs.
+
+        The rest is what the same macro loop takes when every call is to a function that returns
+        at once: no clock is read inside the loop, which would cost more than many of the calls.
+        """
+        from ..masters.loop.idle import address_of_idle
+
+        steps = min(self._grid.steps, 2000)
+        table = self._prepared.tables[0]
+        idle = np.full_like(table.instance, address_of_idle())
+        functions = [f for f in Addresses._fields if f != "instance"]
+        tables = (table._replace(**dict.fromkeys(functions, idle)), *self._prepared.tables[1:])
+        rows, report = np.zeros((steps + 1, len(self._plan.columns))), np.zeros(4, np.int64)
+        ends = np.zeros((steps, len(self._prepared.led)))
+        spent = []
+        for _ in range(3):
+            begin = time.perf_counter()
+            self._call(0, steps, self._grid.step, rows, ends, report, tables)
+            spent.append(time.perf_counter() - begin)
+        return 1.0 - min(spent) / steps / (self.wall / max(self.rows_done - 1, 1))
+
+    def _chunk(self, first: int, last: int) -> int:
+        recording = self._recording
+        self._call(first, last, self._grid.step, recording.rows, recording.ends, self._report)
+        return last
+
+    def _call(
+        self,
+        first: int,
+        last: int,
+        step: float,
+        rows: NDArray[np.float64],
+        ends: NDArray[np.float64],
+        report: NDArray[np.int64],
+        tables: tuple[Any, ...] | None = None,
+    ) -> None:
+        with np.errstate(all="ignore"):  # as in compiled code; the master looks at every number
+            self._advance(
+                first,
+                last,
+                self._grid.start,
+                step,
+                rows,
+                rows.ctypes.data,
+                ends,
+                report,
+                *(tables or self._prepared.tables),
+            )
+
+    def _reason(self) -> str:
+        _, call, number, status = (int(n) for n in self._report)
+        if call == NOT_FINITE:
+            row = self._recording.rows[self.rows_done]
+            column = next(n for n in self._order() if not np.isfinite(row[n]))
+            instance, variable = self._plan.columns[column]
+            slave = self._slaves[instance]
+            return (
+                f"{self._plan.name(instance, variable)} is {row[column]} at t = "
+                f"{self._time(self.rows_done):g} s{slave.said()}"
+            )
+        if call == LOOP:
+            failure = loop_failure(self._plan, self._report)
+            return f"{failure} at t = {self._time(self.rows_done):g} s"
+        if call == NOT_CONVERGED:
+            return self._unconverged(number, status)
+        slave = self._slaves[number]
+        if isinstance(slave, MockSlave) and slave.interrupt is not None:
+            return self._interrupted()
+        if slave.has_ended():
+            return (
+                f"{slave.name} asks to end the run in the step from t = "
+                f"{self._time(self.rows_done - 1):g} s{slave.said()}"
+            )
+        return (
+            f"{slave.name}: {slave.fault(CALLS[call], status)} in the step from "
+            f"t = {self._time(self.rows_done - 1):g} s{slave.said()}"
+        )
+
+    def _unconverged(self, group: int, unknown: int) -> str:
+        solved = self._prepared.solved
+        assert solved is not None
+        tries = solved.unknowns.state[group, 0]
+        n = int(solved.unknowns.first[group]) + unknown
+        value, residual = solved.unknowns.value[n], solved.unknowns.residual[n]
+        return (
+            f"{', '.join(solved.slaves[group])} do not agree after {tries} evaluations of the step "
+            f"from t = {self._time(self.rows_done - 1):g} s: {solved.labels[group][unknown]} still "
+            f"changes by {residual:.1e} at {value:g}; give a shorter step, another method or a "
+            "larger tolerance"
+        )
+
+    def _order(self) -> list[int]:
+        """Columns in the order in which they become final."""
+        spans = [
+            (first, first + steady)
+            for first, steady in zip(self._plan.first_column, self._plan.steady, strict=False)
+        ]
+        spans += [columns_of(self._plan, batch) for batch in self._plan.batches]
+        return [n for span in spans for n in range(*span)]
+
+    def _interrupted(self) -> str:
+        return f"interrupted at t = {self._time(self.rows_done - 1):g} s"
+
+    def _unwritten(self, error: OrchestratorError) -> str:
+        return f"{error}; stopped at t = {self._time(self.rows_done - 1):g} s"
+
+    def _time(self, row: int) -> float:
+        return self._grid.time(row)
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Hear Ctrl-C, or what raises the same, afterwards only, so that what is written is whole."""
+    if threading.current_thread() is not threading.main_thread():  # which alone hears it
+        yield
+        return
+    heard: list[int] = []
+    handlers = {n: signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM)}
+    handlers = {n: handler for n, handler in handlers.items() if callable(handler)}
+    for number in handlers:
+        signal.signal(number, lambda number, frame: heard.append(number))
+    try:
+        yield
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+    if heard:
+        raise KeyboardInterrupt

@@ -1,0 +1,1 @@
+"""Running instances: every kind behind the same seven functions over doubles."""

@@ -1,0 +1,244 @@
+"""The tables behind an instance that is called through adaptors: its variables, kinds and lanes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...fmu.description import (
+    Description,
+    Variable,
+)
+from ..base import Addresses
+from . import (
+    adaptors,
+    memory,
+)
+
+FMI2 = {
+    "real": ("f8", "fmi2GetReal", "fmi2SetReal"),
+    "integer": ("i4", "fmi2GetInteger", "fmi2SetInteger"),
+    "enumeration": ("i4", "fmi2GetInteger", "fmi2SetInteger"),
+    "boolean": ("i4", "fmi2GetBoolean", "fmi2SetBoolean"),
+}
+"""Type in memory, and functions, of each kind of variable in FMI 2.0."""
+
+FMI3 = {
+    "Float64": "f8", "Float32": "f4", "Int8": "i1", "UInt8": "u1", "Int16": "i2", "UInt16": "u2",
+    "Int32": "i4", "UInt32": "u4", "Int64": "i8", "UInt64": "u8", "Boolean": "u1",
+}  # fmt: skip
+"""Type in memory of each type of FMI 3.0, whose functions are named after it."""
+
+FUNCTIONS = {
+    2: {
+        "do_step": "fmi2DoStep",
+        "set_rates": "fmi2SetRealInputDerivatives",
+        "directional": "fmi2GetDirectionalDerivative",
+        "get_state": "fmi2GetFMUstate",
+        "set_state": "fmi2SetFMUstate",
+    },
+    3: {
+        "do_step": "fmi3DoStep",
+        "directional": "fmi3GetDirectionalDerivative",
+        "get_state": "fmi3GetFMUState",
+        "set_state": "fmi3SetFMUState",
+        "enter_event": "fmi3EnterEventMode",
+        "update_discrete": "fmi3UpdateDiscreteStates",
+        "enter_step": "fmi3EnterStepMode",
+    },
+}
+"""Fields of the head, and the FMU's functions whose addresses they hold."""
+
+
+class Lanes:
+    """Memory of one instance; `address` is what its adaptors take for the instance."""
+
+    def __init__(self, description: Description) -> None:
+        self._description = description
+        version = int(description.fmi_version[0])
+        own = [v for v in description.variables.values() if v.lane and not v.lane.difference_of]
+        made = [v for v in description.variables.values() if v.lane and v.lane.difference_of]
+        self._kinds = dict.fromkeys(_kind(v, version) for v in own)
+        numbers = {kind: n for n, kind in enumerate(self._kinds)}
+        variables: dict[tuple[int, int], int] = {}
+        count = len(description.variables)
+        self._lane = np.zeros(count, memory.LANE)
+        self._lane["gain"] = 1.0
+        self._lane["variable"] = -1
+        rows: list[tuple[int, ...]] = []
+        stored = [0] * len(numbers)
+        for v in own:
+            assert v.lane is not None
+            kind = numbers[_kind(v, version)]
+            key = (kind, v.value_reference)
+            if key not in variables:
+                variables[key] = len(rows)
+                discrete = v.variability != "continuous" and v.causality == "input"
+                rows.append(
+                    (v.value_reference, kind, v.lane.size, stored[kind], int(discrete), 0, 0)
+                )
+                stored[kind] += v.lane.size
+            self._lane[v.reference] = (
+                variables[key], v.lane.element, v.lane.gain, v.lane.offset, 0.0, 0.0,
+            )  # fmt: skip
+        self._variable = np.array(rows, memory.VARIABLE)
+        self._kind = np.zeros(len(numbers), memory.KIND)
+        self._kept: list[NDArray[Any]] = []  # buffers that only the tables know
+        self.stores: list[NDArray[Any]] = []
+        for n, (memory_type, _, _, low, high) in enumerate(self._kinds):
+            type_ = np.dtype(memory_type)
+            self.stores.append(np.zeros(stored[n], type_))
+            self._kind[n]["type"] = memory.TYPES.index(type_)
+            self._kind[n]["low"], self._kind[n]["high"] = low, high
+            self._kind[n]["store"] = self.stores[n].ctypes.data
+            self._kind[n]["buffer"] = self._room(stored[n], type_)
+            self._kind[n]["references"] = self._room(len(rows), np.uint32)
+        self._difference = np.zeros(len(made), memory.DIFFERENCE)
+        for row, v in zip(self._difference, made, strict=True):
+            assert v.lane is not None
+            row["lane"] = v.reference
+            row["source"] = description.variables[v.lane.difference_of].reference
+        self._references = np.full(count, -1, np.int64)
+        for v in own:
+            if _is_double(v, description):
+                self._references[v.reference] = v.value_reference
+        self._head = head = np.zeros(1, memory.HEAD)
+        elements = sum(stored)
+        fields = {
+            "version": version,
+            "lanes": self._lane.ctypes.data,
+            "variables": self._variable.ctypes.data,
+            "kinds": self._kind.ctypes.data,
+            "kind_count": len(self._kinds),
+            "references": self._references.ctypes.data,
+            "request": self._room(count, np.uint32),
+            "touched": self._room(len(rows), np.int64),
+            "event_mode": int(description.has_events),
+            "flags": self._room(2, np.float64),
+            "interpolates": int(version == 3 and description.interpolates_inputs),
+            "moving": self._room(count, np.uint32),
+            "moving_value": self._room(count, np.float64),
+            "differences": self._difference.ctypes.data,
+            "difference_count": len(made),
+            "unknowns": self._room(count, np.uint32),
+            "knowns": self._room(count, np.uint32),
+            "seed": self._room(elements, np.float64),
+            "result": self._room(elements, np.float64),
+            "refused": -1,
+            "rounded": -1,
+        }
+        for name, value in fields.items():
+            head[name] = value
+        self.address: int = head.ctypes.data
+
+    def bind(self, instance: int, function: Callable[[str], int]) -> Addresses:
+        """Take an instance, and its FMU's functions by name; what masters are to call."""
+        self._head["instance"] = instance
+        for field, name in FUNCTIONS[int(self._head["version"][0])].items():
+            self._head[field] = function(name)
+        for row, (_, getter, setter, _, _) in zip(self._kind, self._kinds, strict=True):
+            row["get"], row["set"] = function(getter), function(setter)
+            if row["type"] == 0:
+                self._head["get_double"], self._head["set_double"] = row["get"], row["set"]
+        return Addresses(
+            self.address,
+            adaptors.set_.address,
+            adaptors.get.address,
+            adaptors.do_step.address,
+            adaptors.set_rates.address,
+            adaptors.directional.address,
+            adaptors.get_state.address,
+            adaptors.set_state.address,
+        )
+
+    def begin_stepping(self) -> None:
+        """From here on discrete inputs change in event mode, where there is one."""
+        self._head["stepping"] = 1
+
+    def state(self) -> bytes:
+        """What is remembered from step to step."""
+        return b"".join(array.tobytes() for array in self._remembered())
+
+    def restore(self, state: bytes) -> None:
+        """Remember what was remembered when `state` was asked for."""
+        for array in self._remembered():
+            size = array.nbytes
+            array[:] = np.frombuffer(state[:size], array.dtype)
+            state = state[size:]
+
+    def _remembered(self) -> list[NDArray[Any]]:
+        return [self._difference, self._lane, *self.stores]
+
+    @property
+    def ended(self) -> bool:
+        """Whether the FMU asked to end the run."""
+        return bool(self._head["ended"][0])
+
+    def arrays(self) -> Mapping[tuple[str, int], NDArray[Any]]:
+        """What was set last of every array, by type and value reference; to be written to."""
+        found = {}
+        for v in self._description.variables.values():
+            if v.lane is not None and v.lane.size > 1 and not v.lane.difference_of:
+                row = self._variable[self._lane[v.reference]["variable"]]
+                first = int(row["first"])
+                store = self.stores[int(row["kind"])]
+                found[v.type, v.value_reference] = store[first : first + v.lane.size]
+        return found
+
+    def complaint(self) -> str:
+        """What an adaptor refused, in words; empty if it did not."""
+        number = int(self._head["refused"][0])
+        if number < 0:
+            return ""
+        variable = self._variable_of(number)
+        value = float(self._head["refused_value"][0])
+        kind = self._kind[self._variable[self._lane[number]["variable"]]["kind"]]
+        span = f"from {kind['low']:.0f} to {kind['high']:.0f}"
+        return (
+            f"{variable.name} cannot be {value:.17g}: it is of type {variable.type}, a whole "
+            f"number {span}"
+        )
+
+    def remarks(self) -> list[str]:
+        """What was not exact."""
+        number = int(self._head["rounded"][0])
+        if number < 0:
+            return []
+        variable = self._variable_of(number)
+        return [f"{variable.name} went beyond 2^53, where whole numbers are rounded to doubles"]
+
+    def _variable_of(self, number: int) -> Variable:
+        variables = self._description.variables.values()
+        return next(v for v in variables if v.lane is not None and v.reference == number)
+
+    def _room(self, size: int, kind: Any) -> int:
+        self._kept.append(np.zeros(max(size, 1), kind))
+        return self._kept[-1].ctypes.data
+
+
+def _is_double(variable: Variable, description: Description) -> bool:
+    """Whether a lane can go to and from the FMU as it is."""
+    lane = variable.lane
+    assert lane is not None
+    discrete = description.has_events and variable.variability != "continuous"
+    changed = (lane.size, lane.gain, lane.offset) != (1, 1.0, 0.0)
+    return variable.type in ("Real", "Float64") and not (changed or discrete)
+
+
+def _kind(variable: Variable, version: int) -> tuple[str, str, str, float, float]:
+    """Type in memory, functions, and range of a variable's values."""
+    if version == 2:
+        memory_type, getter, setter = FMI2[variable.kind]
+    else:
+        name = "Int64" if variable.type == "Enumeration" else variable.type
+        memory_type, getter, setter = FMI3[name], f"fmi3Get{name}", f"fmi3Set{name}"
+    if variable.kind == "boolean":
+        return memory_type, getter, setter, 0.0, 1.0
+    if memory_type.startswith("f"):
+        return memory_type, getter, setter, -np.inf, np.inf
+    limits = np.iinfo(memory_type)
+    low, high = max(limits.min, -memory.EXACT), min(limits.max, memory.EXACT)
+    return memory_type, getter, setter, float(low), float(high)

@@ -1,0 +1,193 @@
+"""A running instance: loaded, given its start values, and from then on C functions by address.
+
+FMI 2.0 here, FMI 3.0 in `fmi3`, mocks in `mock`. Masters call every instance by FMI 2.0's functions
+over doubles: those of an FMI 2.0 FMU that has nothing else, and `masters.adaptors` otherwise.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from enum import IntEnum
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import SlaveError
+from ..fmu.description import (
+    Description,
+    Variable,
+)
+from ..run.log import Log
+from ..system.system import Value
+
+if TYPE_CHECKING:
+    from .adapted.lanes import Lanes
+
+
+Logger = Callable[[str, str, str], None] | Log
+"""Called with instance, status and message of what an FMU logs."""
+
+
+class Status(IntEnum):
+    """What an FMI function returns; from DISCARD on the run cannot go on."""
+
+    OK = 0
+    WARNING = 1
+    DISCARD = 2
+    ERROR = 3
+    FATAL = 4
+    PENDING = 5
+
+
+class Addresses(NamedTuple):
+    """Addresses of an instance and of the functions that a macro step calls; 0 for none."""
+
+    instance: int
+    set_real: int
+    get_real: int
+    do_step: int
+    set_rates: int
+    directional: int
+    get_state: int = 0
+    set_state: int = 0
+
+
+class Slave(ABC):
+    """One instance of an FMU. `messages` keeps what it logged."""
+
+    addresses: Addresses
+    lanes: Lanes | None = None
+    """What its adaptors work with, if it is called through such."""
+    distrusted = False
+    """Whether its saved states were found not to hold everything."""
+
+    def __init__(self, name: str, description: Description, logger: Logger | None = None) -> None:
+        self.name = name
+        self.description = description
+        self.messages: list[str] = []
+        self._logger = logger
+
+    def ready(self) -> None:
+        """Wait until it is loaded; raises SlaveError."""
+        return
+
+    @abstractmethod
+    def set_value(self, variable: Variable, value: Value) -> None:
+        """Give a variable its start value, before `start`; raises SlaveError."""
+
+    @abstractmethod
+    def start(self, time: float, stop: float) -> None:
+        """Enter initialization [s]; raises SlaveError."""
+
+    @abstractmethod
+    def begin_stepping(self) -> None:
+        """Leave initialization; raises SlaveError."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Terminate and free the instance."""
+
+    def reset(self) -> bool:
+        """Be as just loaded; False where it cannot."""
+        return False
+
+    def set_reals(self, variables: Sequence[Variable], values: NDArray[np.float64]) -> None:
+        """Set inputs; raises SlaveError."""
+        self._reals(self.addresses.set_real, variables, values, "cannot set")
+
+    def get_reals(self, variables: Sequence[Variable]) -> NDArray[np.float64]:
+        """Read variables; raises SlaveError."""
+        values = np.empty(len(variables))
+        self._reals(self.addresses.get_real, variables, values, "cannot read")
+        return values
+
+    def complaint(self) -> str:
+        """What an adaptor refused; empty if it did not."""
+        return self.lanes.complaint() if self.lanes else ""
+
+    def remarks(self) -> list[str]:
+        """What was not exact."""
+        return self.lanes.remarks() if self.lanes else []
+
+    def has_ended(self) -> bool:
+        """Whether the FMU asked to end the run."""
+        return self.lanes is not None and self.lanes.ended
+
+    def fault(self, function: str, status: int) -> str:
+        """How a call failed."""
+        return f"{self.called(function)} returned {Status(status).name.lower()}"
+
+    @property
+    def rolls_back(self) -> bool:
+        """Whether a macro step can be undone by the functions at `addresses`."""
+        return (
+            self.description.saves_state and not self.distrusted and self.addresses.get_state != 0
+        )
+
+    def free_state(self, handle: int) -> None:  # noqa: B027 - only an FMU has something to free
+        """Free what the function at `addresses.get_state` made, if it did."""
+
+    @property
+    def keeps_state(self) -> bool:
+        """Whether `state` and `restore` work."""
+        return self.description.serializes_state
+
+    def state(self) -> bytes:
+        """All that the instance knows; raises SlaveError."""
+        raise NotImplementedError
+
+    def restore(self, state: bytes) -> None:
+        """Be as when `state` was asked for, also in another process; raises SlaveError."""
+        raise NotImplementedError
+
+    def get_texts(self, variables: Sequence[Variable]) -> list[str]:
+        """Read variables of type String; raises SlaveError."""
+        raise NotImplementedError
+
+    def set_texts(self, variables: Sequence[Variable], texts: Sequence[str]) -> None:
+        """Set inputs of type String; raises SlaveError."""
+        raise NotImplementedError
+
+    def called(self, function: str) -> str:
+        """What a function of FMI 2.0 is called in the version of this instance."""
+        return function
+
+    def said(self) -> str:
+        """The last message, to end a sentence with."""
+        last = self.complaint() or (self.messages[-1] if self.messages else "")
+        return f": {last}" if last else ""
+
+    def debug(self, categories: Sequence[str]) -> None:
+        """Have the FMU log these categories, or all; raises SlaveError."""
+        return
+
+    def heard(self, status: int, text: str, time: float | None = None) -> None:
+        """Keep what the FMU logged, at a time [s] that others need not know, and pass it on."""
+        if status != Status.OK:
+            self.messages.append(text)
+            del self.messages[:-50]
+        if isinstance(self._logger, Log):
+            self._logger.write(self.name, status, text, time)
+        elif self._logger is not None:
+            self._logger(self.name, Status(status).name.lower(), text)
+
+    def _reals(
+        self, function: int, variables: Sequence[Variable], values: NDArray[np.float64], verb: str
+    ) -> None:
+        from . import abi as ffi
+
+        if not variables:
+            return
+        references = np.array([v.reference for v in variables], np.uint32)
+        status = ffi.reals(
+            function,
+            self.addresses.instance,
+            references.ctypes.data,
+            len(variables),
+            values.ctypes.data,
+        )
+        if status > Status.WARNING:
+            names = ", ".join(v.name for v in variables)
+            raise SlaveError(f"{self.name}: {verb} {names}{self.said()}")

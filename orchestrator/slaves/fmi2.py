@@ -1,0 +1,177 @@
+"""An instance of an FMI 2.0 FMU for co-simulation."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from weakref import WeakValueDictionary
+
+from ..errors import SlaveError
+from ..fmu.description import (
+    Description,
+    Variable,
+)
+from ..system.system import Value
+
+if TYPE_CHECKING:
+    pass
+from .base import Addresses, Logger
+from .fmu import FmuSlave, address_of
+
+
+class Fmi2Slave(FmuSlave):
+    """An instance of an FMI 2.0 co-simulation FMU that was unzipped into `folder`."""
+
+    wrapper = "FMU2Slave"
+    """fmpy's class for it."""
+
+    def __init__(
+        self, name: str, description: Description, folder: Path, logger: Logger | None = None
+    ) -> None:
+        from fmpy import calloc, fmi2, free
+
+        super().__init__(name, description, logger)
+        callbacks = fmi2.fmi2CallbackFunctions()
+        callbacks.logger = _logger()
+        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(calloc)
+        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(free)
+        callbacks.componentEnvironment = id(self)
+        _logging[id(self)] = self
+        # The standard's logger is variadic; fmpy's proxy formats the message in C.
+        fmi2.addLoggerProxy(ctypes.byref(callbacks))
+        working_folder = Path.cwd()
+        try:
+            self._fmu = getattr(fmi2, self.wrapper)(
+                guid=description.guid,
+                unzipDirectory=str(folder),
+                modelIdentifier=description.model_identifier,
+                instanceName=name,
+                libraryPath=str(folder / description.binary),
+            )
+        except Exception as error:  # fmpy raises plain exceptions
+            raise SlaveError(f"{name}: {description.label} cannot be loaded: {error}") from None
+        finally:
+            os.chdir(working_folder)
+        try:
+            # Some FMUs are silent about failures unless logging is on; only these are asked for.
+            failures = description.failure_categories
+            self._fmu.instantiate(callbacks=callbacks, loggingOn=bool(failures))
+            if failures:
+                self._fmu.setDebugLogging(True, failures)
+        except Exception:
+            raise SlaveError(
+                f"{name}: {description.label} cannot be instantiated{self.said()}"
+            ) from None
+        self.addresses = self._addresses()
+
+    def _addresses(self) -> Addresses:
+        def address(function: str) -> int:
+            return address_of(self._fmu.dll, function)
+
+        if any(v.lane for v in self.description.variables.values()):
+            from .adapted.lanes import Lanes
+
+            self.lanes = Lanes(self.description)
+            return self.lanes.bind(self._fmu.component, address)
+        return Addresses(
+            self._fmu.component,
+            *map(
+                address,
+                (
+                    "fmi2SetReal",
+                    "fmi2GetReal",
+                    "fmi2DoStep",
+                    "fmi2SetRealInputDerivatives",
+                    "fmi2GetDirectionalDerivative",
+                    "fmi2GetFMUstate",
+                    "fmi2SetFMUstate",
+                ),
+            ),
+        )
+
+    def set_value(self, variable: Variable, value: Value) -> None:
+        setter = {
+            "Real": self._fmu.setReal,
+            "Integer": self._fmu.setInteger,
+            "Enumeration": self._fmu.setInteger,
+            "Boolean": self._fmu.setBoolean,
+            "String": self._fmu.setString,
+        }[variable.type]
+        given = own_value(variable, value)
+        unit = f" {variable.unit}" if variable.unit else ""
+        what = f"refused {variable.name} = {value}{unit}"
+        self._call(what, setter, [variable.value_reference], [given])
+
+    def start(self, time: float, stop: float) -> None:
+        self._call(
+            "refused the experiment", self._fmu.setupExperiment, startTime=time, stopTime=stop
+        )
+        self._call("cannot be initialized", self._fmu.enterInitializationMode)
+
+    def begin_stepping(self) -> None:
+        self._call("cannot be initialized", self._fmu.exitInitializationMode)
+        self._stepping = True
+
+    def reset(self) -> bool:
+        if self.lanes is not None:
+            return False
+        try:
+            if self._stepping:
+                self._fmu.terminate()
+            self._fmu.reset()
+            if self.description.failure_categories:
+                self._fmu.setDebugLogging(True, self.description.failure_categories)
+        except Exception:  # fmpy raises plain exceptions
+            return False
+        self._stepping = False
+        self.messages.clear()
+        return True
+
+    def _serialized(self) -> bytes:
+        held = self._call("cannot save its state", self._fmu.getFMUstate)
+        try:
+            return self._call("cannot serialize its state", self._fmu.serializeFMUstate, held)
+        finally:
+            self._fmu.freeFMUstate(held)
+
+    def _deserialize(self, state: bytes) -> None:
+        from fmpy.fmi2 import fmi2FMUstate
+
+        held = fmi2FMUstate()
+        what = "cannot take the state of the checkpoint"
+        self._call(what, self._fmu.deSerializeFMUstate, state, held)
+        try:
+            self._call(what, self._fmu.setFMUstate, held)
+        finally:
+            self._fmu.freeFMUstate(held)
+
+
+_logging: WeakValueDictionary[int, Fmi2Slave] = WeakValueDictionary()
+"""Instances by the environment that they hand to the logger."""
+
+
+@cache
+def _logger() -> Any:
+    """The one C function to which every FMU logs: fmpy's proxy knows a single one."""
+    from fmpy import fmi2
+
+    def log(environment: int, name: bytes, status: int, category: bytes, message: bytes) -> None:
+        slave = _logging.get(environment or 0)
+        if slave is None:  # an FMU that hands nothing back is told by its name
+            called = (name or b"").decode(errors="replace")
+            slave = next((s for s in list(_logging.values()) if s.name == called), None)
+        if slave is not None:
+            slave.heard(status, (message or b"").decode(errors="replace").strip())
+
+    return fmi2.fmi2CallbackLoggerTYPE(log)
+
+
+def own_value(variable: Variable, value: Value) -> Value:
+    """A value as the FMU itself has it, where a port map changes it."""
+    lane = variable.lane
+    if lane is None or (lane.gain, lane.offset) == (1.0, 0.0) or not isinstance(value, float | int):
+        return value
+    return (value - lane.offset) / lane.gain

@@ -1,0 +1,204 @@
+"""An instance of an FMI 3.0 FMU, called through adaptors."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from ..errors import SlaveError
+from ..fmu.description import (
+    Description,
+    Variable,
+)
+from ..system.system import Value
+from .adapted import adaptors
+from .adapted.lanes import Lanes
+from .base import Logger
+from .fmi2 import own_value
+from .fmu import (
+    FmuSlave,
+    address_of,
+)
+
+ITERATIONS = 100
+"""Event iterations after which an FMU that still asks for more is given up."""
+
+
+class Fmi3Slave(FmuSlave):
+    """An instance of an FMI 3.0 co-simulation FMU that was unzipped into `folder`."""
+
+    wrapper = "FMU3Slave"
+    """fmpy's class for it."""
+
+    def __init__(
+        self, name: str, description: Description, folder: Path, logger: Logger | None = None
+    ) -> None:
+        from fmpy import fmi3
+
+        super().__init__(name, description, logger)
+        self._given: dict[tuple[str, int], dict[int, Value]] = {}
+        self.lanes: Lanes = Lanes(description)
+        working_folder = Path.cwd()
+        try:
+            self._fmu = getattr(fmi3, self.wrapper)(
+                guid=description.guid,
+                unzipDirectory=str(folder),
+                modelIdentifier=description.model_identifier,
+                instanceName=name,
+            )
+        except Exception as error:  # fmpy raises plain exceptions
+            raise SlaveError(f"{name}: {description.label} cannot be loaded: {error}") from None
+        finally:
+            os.chdir(working_folder)
+        self._log = fmi3.fmi3LogMessageCallback(self._heard)
+        self._instantiate(f"{folder / 'resources'}{os.sep}")
+        if not self._fmu.component:
+            raise SlaveError(f"{name}: {description.label} cannot be instantiated{self.said()}")
+        self.addresses = self.lanes.bind(
+            self._fmu.component, lambda function: address_of(self._fmu.dll, function)
+        )
+
+    def _instantiate(self, resources: str) -> None:
+        from fmpy import fmi3
+
+        description = self.description
+        self._update = fmi3.fmi3IntermediateUpdateCallback(
+            adaptors.intermediate_update.address if description.interpolates_inputs else 0
+        )
+        moving = [
+            v.value_reference
+            for v in description.inputs
+            if v.coupled and description.interpolates(v)
+        ]
+        moving = list(dict.fromkeys(moving))
+        required = (fmi3.fmi3ValueReference * len(moving))(*moving)
+        self._fmu.component = self._fmu.fmi3InstantiateCoSimulation(
+            self.name.encode(),
+            description.guid.encode(),
+            resources.encode(),
+            False,
+            False,
+            description.has_events,
+            description.returns_early,
+            required,
+            len(moving),
+            self.lanes.address,
+            self._log,
+            self._update,
+        )
+
+    def set_value(self, variable: Variable, value: Value) -> None:
+        lane = variable.lane
+        if lane is not None and lane.size > 1:  # only whole arrays can be set: see `start`
+            key = (variable.type, variable.value_reference)
+            self._given.setdefault(key, {})[lane.element] = own_value(variable, value)
+            return
+        structural = variable.causality == "structuralParameter"
+        if structural:
+            self._call("refused to be configured", self._fmu.enterConfigurationMode)
+        unit = f" {variable.unit}" if variable.unit else ""
+        what = f"refused {variable.name} = {value}{unit}"
+        self._call(
+            what, self._setter(variable), [variable.value_reference], [own_value(variable, value)]
+        )
+        if structural:
+            what = f"cannot be configured with {variable.name} = {value}{unit}"
+            self._call(what, self._fmu.exitConfigurationMode)
+
+    def start(self, time: float, stop: float) -> None:
+        self._set_arrays()
+        self._call(
+            "cannot be initialized",
+            self._fmu.enterInitializationMode,
+            startTime=time,
+            stopTime=stop,
+        )
+        inputs = {(v.type, v.value_reference): v for v in self.description.inputs}
+        for key, store in self.lanes.arrays().items():
+            if key in inputs:  # of which an element may stay at its start
+                values = self._call(
+                    f"cannot read {inputs[key].name}",
+                    getattr(self._fmu, f"get{_function(inputs[key])}"),
+                    [key[1]],
+                    nValues=len(store),
+                )
+                store[:] = values
+
+    def begin_stepping(self) -> None:
+        self._call("cannot be initialized", self._fmu.exitInitializationMode)
+        self._stepping = True
+        if self.description.has_events:
+            self._call("cannot leave event mode", self._iterate)
+            self._call("cannot enter step mode", self._fmu.enterStepMode)
+        self.lanes.begin_stepping()
+
+    def free_state(self, handle: int) -> None:
+        if handle:
+            self._fmu.freeFMUState(ctypes.c_void_p(handle))
+
+    def _serialized(self) -> bytes:
+        held = self._call("cannot save its state", self._fmu.getFMUState)
+        try:
+            return self._call("cannot serialize its state", self._fmu.serializeFMUState, held)
+        finally:
+            self._fmu.freeFMUState(held)
+
+    def _deserialize(self, state: bytes) -> None:
+        what = "cannot take the state of the checkpoint"
+        held = self._call(what, self._fmu.deserializeFMUState, state)
+        try:
+            self._call(what, self._fmu.setFMUState, held)
+        finally:
+            self._fmu.freeFMUState(held)
+
+    def called(self, function: str) -> str:
+        typed = {"fmi2SetReal": "setting inputs", "fmi2GetReal": "reading outputs"}
+        return typed.get(function, function.replace("fmi2", "fmi3"))
+
+    def _set_arrays(self) -> None:
+        """Set the arrays of which elements were given, the others at their start."""
+        elements: dict[tuple[str, int], list[Variable]] = {}
+        for v in self.description.variables.values():
+            if (v.type, v.value_reference) in self._given:
+                elements.setdefault((v.type, v.value_reference), []).append(v)
+        for key, given in self._given.items():
+            ordered = sorted(elements[key], key=lambda v: v.lane.element if v.lane else 0)
+            values = [given[n] if n in given else self._start_of(v) for n, v in enumerate(ordered)]
+            whole = ordered[0].name.rpartition("[")[0]
+            shown = " ".join(map(str, values))
+            self._call(f"refused {whole} = {shown}", self._setter(ordered[0]), [key[1]], values)
+
+    def _start_of(self, variable: Variable) -> Value:
+        start = variable.start
+        if start is None:
+            raise SlaveError(
+                f"{self.name}.{variable.name} has no start value, since its array was resized; "
+                "give values of all elements"
+            )
+        if variable.kind == "string":
+            return start
+        if variable.kind == "boolean":
+            return start in ("true", "1")
+        number = float(start) if variable.kind == "real" else int(start)
+        return own_value(variable, number)
+
+    def _setter(self, variable: Variable) -> Callable[..., None]:
+        return getattr(self._fmu, f"set{_function(variable)}")
+
+    def _iterate(self) -> None:
+        for _ in range(ITERATIONS):
+            again, ended, *_ = self._fmu.updateDiscreteStates()
+            if ended:
+                raise SlaveError("it asks to end the run at its start")
+            if not again:
+                return
+        raise SlaveError(f"its event iteration does not end within {ITERATIONS} updates")
+
+    def _heard(self, _: int, status: int, category: bytes, message: bytes) -> None:
+        self.heard(status, (message or b"").decode(errors="replace").strip())
+
+
+def _function(variable: Variable) -> str:
+    return "Int64" if variable.type == "Enumeration" else variable.type

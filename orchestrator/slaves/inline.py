@@ -1,0 +1,197 @@
+"""A slave made of Python functions, to stand in an FMU's place: for tests and for trying out."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..fmu.description import (
+    Description,
+    Tangent,
+    Variable,
+)
+from ..system.system import Value
+from .base import (
+    Addresses,
+    Slave,
+    Status,
+)
+
+Signals = Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Mock:
+    """Ports with units, and functions of plain dictionaries.
+
+    start: start values of parameters and inputs. depends: inputs on which an output depends at the
+    same instant. derivative_of: the output that an output is the rate of.
+    initial(p) -> x; step(x, u, rate, p, time, step) -> x; output(x, u, p) -> outputs;
+    directional(x, u, p, seed) -> derivatives of the outputs along the seed of inputs.
+    Inputs vary over a step as u + rate * (t - time); with input_order=2 the rate of each input is a
+    pair, of first and second derivative. An exception in a function is an error.
+    saves_state: the state can be restored, as long as `step` makes a new one.
+    """
+
+    outputs: Mapping[str, str] = field(default_factory=dict)
+    inputs: Mapping[str, str] = field(default_factory=dict)
+    start: Signals = field(default_factory=dict)
+    depends: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    derivative_of: Mapping[str, str] = field(default_factory=dict)
+    tangents: tuple[Tangent, ...] = ()
+    interpolates_inputs: bool = True
+    input_order: int = 1
+    saves_state: bool = True
+    initial: Callable[[Signals], Any] = lambda p: None
+    step: Callable[..., Any] = lambda x, u, rate, p, time, step: x
+    output: Callable[..., Signals] = lambda x, u, p: {}
+    directional: Callable[..., Signals] | None = None
+
+    @property
+    def description(self) -> Description:
+        """As a model description would have it."""
+        parameters = [n for n in self.start if n not in self.inputs]
+        ports = [
+            *((n, "parameter", None) for n in parameters),
+            *((n, "input", unit) for n, unit in self.inputs.items()),
+            *((n, "output", unit) for n, unit in self.outputs.items()),
+        ]
+        return Description(
+            label="mock",
+            variables={
+                name: Variable(
+                    name=name,
+                    reference=reference,
+                    type="Real",
+                    causality=causality,
+                    unit=unit,
+                    start=None if causality == "output" else str(self.start.get(name, 0.0)),
+                    derivative_of=self.derivative_of.get(name),
+                    dependencies=frozenset(self.depends.get(name, ())),
+                )
+                for reference, (name, causality, unit) in enumerate(ports)
+            },
+            interpolates_inputs=self.interpolates_inputs,
+            input_order=self.input_order,
+            saves_state=self.saves_state,
+            variable_step=True,
+            gives_derivatives=self.directional is not None,
+            tangents=self.tangents,
+        )
+
+
+class MockSlave(Slave):
+    """A running mock behind the same C functions as an FMU's."""
+
+    def __init__(self, name: str, mock: Mock) -> None:
+        super().__init__(name, mock.description)
+        from . import abi as ffi
+
+        self._mock = mock
+        self._names = [v.name for v in self.description.variables.values()]
+        self._u = {v.name: mock.start.get(v.name, 0.0) for v in self.description.inputs}
+        self._p = {k: v for k, v in mock.start.items() if k not in self._u}
+        self._rates = {name: [0.0, 0.0] for name in self._u}
+        self._x: Any = None
+        self._saved: list[Any] = []
+        callbacks = (
+            ffi.Reals(self._guarded(self._set)),
+            ffi.Reals(self._guarded(self._get)),
+            ffi.DoStep(self._guarded(self._step)),
+            ffi.Rates(self._guarded(self._set_rates)),
+            ffi.Directional(self._guarded(self._directional)),
+            ffi.State(self._guarded(self._save)),
+            ffi.State(self._guarded(self._restore)),
+        )
+        self._callbacks = callbacks
+        self.addresses = Addresses(
+            0, *(ctypes.cast(c, ctypes.c_void_p).value or 0 for c in callbacks)
+        )
+        self.interrupt: BaseException | None = None
+
+    def set_value(self, variable: Variable, value: Value) -> None:
+        place = self._u if variable.name in self._u else self._p
+        place[variable.name] = float(str(value))
+
+    def start(self, time: float, stop: float) -> None:
+        self._x = self._mock.initial(self._p)
+
+    def begin_stepping(self) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+    def _guarded(self, function: Callable[..., None]) -> Callable[..., int]:
+        def call(*arguments: Any) -> int:
+            try:
+                function(*arguments)
+            except BaseException as error:
+                if not isinstance(error, Exception):
+                    self.interrupt = error
+                self.messages.append(f"{type(error).__name__}: {error}")
+                return Status.ERROR
+            return Status.OK
+
+        return call
+
+    def _named(self, references: int, count: int) -> list[str]:
+        return [self._names[r] for r in (ctypes.c_uint32 * count).from_address(references)]
+
+    def _set(self, _: int, references: int, count: int, values: int) -> None:
+        given = (ctypes.c_double * count).from_address(values)
+        self._u.update(zip(self._named(references, count), given, strict=True))
+
+    def _set_rates(self, _: int, references: int, count: int, orders: int, values: int) -> None:
+        given = (ctypes.c_double * count).from_address(values)
+        order = (ctypes.c_int * count).from_address(orders)
+        for name, n, value in zip(self._named(references, count), order, given, strict=True):
+            if not 1 <= n <= self._mock.input_order:
+                raise ValueError(f"input derivatives up to order {self._mock.input_order} only")
+            self._rates[name][n - 1] = value
+
+    def _get(self, _: int, references: int, count: int, values: int) -> None:
+        known = {**self._p, **self._u, **self._mock.output(self._x, self._u, self._p)}
+        taken = (ctypes.c_double * count).from_address(values)
+        taken[:] = [known[name] for name in self._named(references, count)]
+
+    def _step(self, _: int, time: float, step: float, _no_return: int) -> None:
+        rates: Mapping[str, Any] = self._rates
+        if self._mock.input_order == 1:
+            rates = {name: first for name, (first, _) in self._rates.items()}
+        self._x = self._mock.step(self._x, dict(self._u), rates, self._p, time, step)
+        for name, (first, second) in self._rates.items():
+            self._u[name] += (first + 0.5 * second * step) * step
+        self._rates = {name: [0.0, 0.0] for name in self._u}
+
+    def _save(self, _: int, place: int) -> None:
+        handle = ctypes.c_size_t.from_address(place)
+        if not handle.value:
+            self._saved.append(None)
+            handle.value = len(self._saved)
+        self._saved[handle.value - 1] = (self._x, dict(self._u))
+
+    def _restore(self, _: int, handle: int) -> None:
+        self._x, inputs = self._saved[handle - 1]
+        self._u = dict(inputs)
+        self._rates = {name: [0.0, 0.0] for name in self._u}
+
+    def _directional(
+        self,
+        _: int,
+        unknowns: int,
+        unknown_count: int,
+        knowns: int,
+        known_count: int,
+        seed: int,
+        result: int,
+    ) -> None:
+        assert self._mock.directional is not None
+        seeds = dict.fromkeys(self._u, 0.0)
+        given = (ctypes.c_double * known_count).from_address(seed)
+        seeds.update(zip(self._named(knowns, known_count), given, strict=True))
+        found = self._mock.directional(self._x, self._u, self._p, seeds)
+        taken = (ctypes.c_double * unknown_count).from_address(result)
+        taken[:] = [found[name] for name in self._named(unknowns, unknown_count)]

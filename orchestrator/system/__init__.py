@@ -1,0 +1,1 @@
+"""A system of FMUs as plain frozen data."""

@@ -1,0 +1,114 @@
+"""A system of FMUs: components, connections between them, and power bonds. Plain frozen data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..errors import (
+    CouplingError,
+    choices,
+)
+from .transformation import (
+    IDENTITY,
+    Transformation,
+)
+
+if TYPE_CHECKING:
+    from ..fmu.port_map import PortMap
+    from ..slaves.inline import Mock
+
+Value = float | int | bool | str | list["Value"] | tuple["Value", ...]
+"""A number in the variable's unit, or text: a quantity ("200 lbf/in"), an enumeration's item.
+
+For an array a list, or text: "1 2 3 mm"."""
+
+STEP = 1e-3
+"""Macro step where neither the caller nor the system gives one [s]."""
+
+
+@dataclass(frozen=True)
+class Component:
+    """An FMU, with start values of its parameters and of inputs that nothing drives.
+
+    ports: what the system's names are in the FMU, where it has other ones.
+    every: it steps once in so many macro steps, over all of them.
+    """
+
+    fmu: Path | Mock
+    parameters: Mapping[str, Value] = field(default_factory=dict)
+    ports: PortMap | None = None
+    every: int = 1
+
+
+@dataclass(frozen=True)
+class Connection:
+    """An output that drives an input: "truck_front.axle[1].y", instance, dot, variable.
+
+    The value is converted to the target's unit, unless that is suppressed, and then transformed.
+    """
+
+    source: str
+    target: str
+    transformation: Transformation = IDENTITY
+    suppress_unit_conversion: bool = False
+
+
+@dataclass(frozen=True)
+class PowerBond:
+    """A force output and the velocity output that it works on, each driving the other's owner."""
+
+    force: str
+    velocity: str
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """How a system is run when nothing else is asked for [s]; None where it does not say."""
+
+    start: float | None = None
+    stop: float | None = None
+    step: float | None = None
+
+
+@dataclass(frozen=True)
+class System:
+    """Instances by name, and how they are connected. Without `bonds` these are found by unit.
+
+    notes: what the reader of a file has to say about it; a run repeats them.
+    """
+
+    components: Mapping[str, Component]
+    connections: tuple[Connection, ...] = ()
+    bonds: tuple[PowerBond, ...] | None = None
+    experiment: Experiment = Experiment()
+    notes: tuple[str, ...] = field(default=(), compare=False)
+
+    def with_fmu(self, instance: str, path: Path | Mock, ports: PortMap | None = None) -> System:
+        """The same system with another FMU in an instance's place; its values are kept."""
+        component = replace(self._component(instance), fmu=path, ports=ports)
+        return replace(self, components={**self.components, instance: component})
+
+    def with_value(self, name: str, value: Value) -> System:
+        """The same system with a start value for "instance.variable"."""
+        instance, variable = split(name)
+        component = self._component(instance)
+        changed = replace(component, parameters={**component.parameters, variable: value})
+        return replace(self, components={**self.components, instance: changed})
+
+    def _component(self, instance: str) -> Component:
+        if instance not in self.components:
+            raise CouplingError(
+                f"there is no instance '{instance}'; {choices(instance, self.components)}"
+            )
+        return self.components[instance]
+
+
+def split(name: str) -> tuple[str, str]:
+    """Instance and variable of "instance.variable"; raises CouplingError without a dot."""
+    instance, dot, variable = name.partition(".")
+    if not (instance and dot and variable):
+        raise CouplingError(f"'{name}' names no variable; write it as instance.variable")
+    return instance, variable

@@ -1,0 +1,1 @@
+"""The system as one: model exchange, monolithic twin, linear model; a run held against it."""

@@ -1,0 +1,309 @@
+"""Instances for model exchange: states, derivatives and events, that somebody else integrates."""
+
+from __future__ import annotations
+
+import ctypes
+import tempfile
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import (
+    CouplingError,
+    SlaveError,
+)
+from ..fmu.arrays import element_names
+from ..fmu.description import (
+    MODEL_EXCHANGE,
+    Description,
+    Variable,
+)
+from ..fmu.read import open_fmu
+from ..plan.plan import (
+    Plan,
+    make_plan,
+)
+from ..run.initial_values import settle
+from ..slaves.base import (
+    Logger,
+    Status,
+)
+from ..slaves.fmi2 import Fmi2Slave
+from ..slaves.fmu import (
+    FmuSlave,
+    address_of,
+)
+from ..slaves.inline import Mock
+from ..slaves.loading import unzip
+from ..system.system import System
+
+Array = NDArray[np.float64]
+Call = Callable[[], None]
+"""Reads from or writes to the array that it is bound to; raises SlaveError."""
+
+ITERATIONS = 100
+"""Event iterations after which a system that still asks for more is given up."""
+
+
+@dataclass(frozen=True)
+class Exchange:
+    """What an FMU offers for model exchange. states, derivatives: names, in the vector's order."""
+
+    states: tuple[str, ...]
+    derivatives: tuple[str, ...]
+    indicators: int
+    follows_steps: bool
+
+
+class Model(Protocol):
+    """One instance, whatever its version of FMI, once it has been initialized.
+
+    x, rate, indicators: where `set_states`, `get_states`, `get_rates`, `get_indicators` exchange.
+    next_event: when it asked to enter event mode next [s].
+    """
+
+    name: str
+    description: Description
+    exchange: Exchange
+    x: Array
+    rate: Array
+    indicators: Array
+    next_event: float
+    set_states: Call
+    get_states: Call
+    get_rates: Call
+    get_indicators: Call
+
+    def get_reals(self, variables: Sequence[Variable]) -> Array: ...
+    def nominals(self) -> Array: ...
+    def setter(self, variables: Sequence[Variable]) -> tuple[Array, Call]: ...
+    def getter(self, variables: Sequence[Variable]) -> tuple[Array, Call]: ...
+    def set_time(self, time: float) -> None: ...
+    def completed_step(self) -> bool: ...
+    def enter_event_mode(self) -> None: ...
+    def new_discrete_states(self) -> bool: ...
+    def enter_continuous_mode(self) -> None: ...
+    def directional(self, unknowns: Sequence[str], known: str) -> Array: ...
+
+
+class Exchanging(FmuSlave):
+    """What instances for model exchange have in common, whatever their version of FMI.
+
+    prefix, rates: of the names of C functions. update: fmpy's name for the discrete states'.
+    """
+
+    prefix: str
+    rates: str
+    update: str
+
+    def __init__(self, exchange: Exchange, *instance: Any) -> None:
+        super().__init__(*instance)
+        self.exchange = exchange
+        self.x, self.rate = np.zeros(len(exchange.states)), np.zeros(len(exchange.states))
+        self.indicators = np.zeros(exchange.indicators)
+        self.next_event = np.inf
+        self.set_states = self._vector("SetContinuousStates", self.x)
+        self.get_states = self._vector("GetContinuousStates", self.x)
+        self.get_rates = self._vector(self.rates, self.rate)
+        self.get_indicators = self._vector("GetEventIndicators", self.indicators)
+
+    def nominals(self) -> Array:
+        values = np.empty(len(self.x))
+        self._vector("GetNominalsOfContinuousStates", values)()
+        return values
+
+    def setter(self, variables: Sequence[Variable]) -> tuple[Array, Call]:
+        return self._ports("cannot set", self.addresses.set_real, variables)
+
+    def getter(self, variables: Sequence[Variable]) -> tuple[Array, Call]:
+        return self._ports("cannot read", self.addresses.get_real, variables)
+
+    def set_time(self, time: float) -> None:
+        self._call(f"refused the time {time:g} s", self._fmu.setTime, time)
+
+    def completed_step(self) -> bool:
+        if not self.exchange.follows_steps:
+            return False
+        done = self._call("refused a completed step", self._fmu.completedIntegratorStep)
+        event, ended = done
+        self._refuse_end(ended)
+        return bool(event)
+
+    def enter_event_mode(self) -> None:
+        self._call("refused event mode", self._fmu.enterEventMode)
+
+    def new_discrete_states(self) -> bool:
+        what = "cannot update its discrete states"
+        again, ended, _, _, timed, time = self._call(what, getattr(self._fmu, self.update))
+        self._refuse_end(ended)
+        self.next_event = float(time) if timed else np.inf
+        return bool(again)
+
+    def enter_continuous_mode(self) -> None:
+        self._call("refused continuous-time mode", self._fmu.enterContinuousTimeMode)
+
+    def directional(self, unknowns: Sequence[str], known: str) -> Array:
+        from ..slaves import abi as ffi
+
+        named = self.description.variables
+        references = np.array([named[name].reference for name in (*unknowns, known)], np.uint32)
+        seed, result = np.ones(1), np.empty(len(unknowns))
+        status = ffi.directional(
+            self.addresses.directional,
+            self.addresses.instance,
+            references.ctypes.data,
+            len(unknowns),
+            references[-1:].ctypes.data,
+            1,
+            seed.ctypes.data,
+            result.ctypes.data,
+        )
+        if status > Status.WARNING:
+            raise SlaveError(f"{self.name}: cannot give derivatives by {known}{self.said()}")
+        return result
+
+    def _refuse_end(self, ended: Any) -> None:
+        if ended:
+            raise SlaveError(f"{self.name} ended the run{self.said()}")
+
+    def _vector(self, function: str, values: Array) -> Call:
+        kind = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t)
+        call = kind(address_of(self._fmu.dll, self.prefix + function))
+        given = (self._fmu.component, values.ctypes.data, len(values))
+        return self._bound(f"{function} failed", values, call, given)
+
+    def _ports(self, verb: str, function: int, variables: Sequence[Variable]) -> tuple[Array, Call]:
+        from ..slaves import abi as ffi
+
+        values = np.zeros(len(variables))
+        references = np.array([v.reference for v in variables], np.uint32)
+        places = (references.ctypes.data, len(values), values.ctypes.data)
+        what = f"{verb} {', '.join(v.name for v in variables)}"
+        given = (self.addresses.instance, *places)
+        return values, self._bound(what, (values, references), ffi.Reals(function), given)
+
+    def _bound(self, failure: str, kept: Any, call: Any, given: Sequence[int]) -> Call:
+        """The C function with its arguments made once: a right-hand side makes many small calls."""
+        arguments = [kind(value) for kind, value in zip(call.argtypes, given, strict=True)]
+        count = len(kept) if isinstance(kept, np.ndarray) else len(kept[0])
+
+        def bound(keep: Any = kept) -> None:
+            if count and call(*arguments) > Status.WARNING:
+                raise SlaveError(f"{self.name}: {failure}{self.said()}")
+
+        return bound
+
+
+class Fmi2Model(Exchanging, Fmi2Slave):
+    """An instance of an FMI 2.0 FMU for model exchange."""
+
+    wrapper = "FMU2Model"
+    prefix, rates, update = "fmi2", "GetDerivatives", "newDiscreteStates"
+
+
+def plan_exchange(system: System, record: Sequence[str] | None) -> Plan:
+    """The plan of a system whose FMUs are integrated as one.
+
+    Raises CouplingError naming the instances that offer no model exchange.
+    """
+    cannot = []
+    for name, component in system.components.items():
+        if component.ports is not None:
+            file = Path(str(component.fmu)).name
+            raise CouplingError(
+                f"the system cannot be integrated as one: {name} ({file}) is coupled "
+                "through a map of its ports; put an FMU there that needs none, or co-simulate"
+            )
+        if isinstance(component.fmu, Mock):
+            own = component.fmu.description
+            cannot.append(f"{name} ({own.label}, FMI {own.fmi_version})")
+            continue
+        contents = open_fmu(Path(component.fmu))
+        said = contents.interfaces.get(MODEL_EXCHANGE, {})
+        known = contents.version.startswith(("2.", "3."))
+        if not known or not contents.binary(said.get("modelIdentifier", "")):
+            cannot.append(f"{name} ({contents.path.name}, FMI {contents.version})")
+    if cannot:
+        raise CouplingError(
+            f"the system cannot be integrated as one: {', '.join(cannot)} offers no model exchange "
+            "of FMI 2.0 or 3.0 for this machine; put an FMU there that does, or co-simulate"
+        )
+    return make_plan(system, record, MODEL_EXCHANGE)
+
+
+def load_models(
+    system: System,
+    plan: Plan,
+    stack: ExitStack,
+    start: float,
+    stop: float,
+    logger: Logger | None = None,
+) -> list[Model]:
+    """Instances of all components of a plan for model exchange, initialized at `start` [s].
+
+    The stack frees them.
+    """
+    folder = Path(stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True)))
+    unzipped: dict[Path, Path] = {}
+    models: list[Exchanging] = []
+    described = zip(system.components.items(), plan.descriptions, strict=True)
+    for (name, component), description in described:
+        path = Path(str(component.fmu)).resolve()
+        if path not in unzipped:
+            unzipped[path] = unzip(path, description, folder / str(len(unzipped)))
+        exchange = _exchange(path, description)
+        model = _kind(description)(exchange, name, description, unzipped[path], logger)
+        stack.callback(model.close)
+        models.append(model)
+    for model, values in zip(models, plan.values, strict=True):
+        for variable, value in values:
+            model.set_value(variable, value)
+    for model in models:
+        model.start(start, stop)
+    settle(plan, models)
+    for model in models:
+        model.begin_stepping()
+    return list(models)
+
+
+def _kind(description: Description) -> type[Exchanging]:
+    if description.fmi_version.startswith("2."):
+        return Fmi2Model
+    from .model_exchange3 import Fmi3Model  # with a compiler, which takes its time
+
+    return Fmi3Model
+
+
+def _exchange(path: Path, description: Description) -> Exchange:
+    contents = open_fmu(path)
+    said, model = contents.interfaces[MODEL_EXCHANGE], contents.model
+
+    def elements(variables: Iterable[Any]) -> tuple[str, ...]:
+        names = [description.aliases.get(v.name, v.name) for v in variables]
+        return tuple(
+            element
+            for name in names
+            for element in (
+                [name]
+                if name in description.variables
+                else element_names(name, description.arrays[name])
+            )
+        )
+
+    rates = [unknown.variable for unknown in model.derivatives]
+    fmi3 = description.fmi_version.startswith("3.")
+    not_needed = said.get("completedIntegratorStepNotNeeded") in ("true", "1")
+    needed = said.get("needsCompletedIntegratorStep") in ("true", "1")
+    return Exchange(
+        states=elements(rate.derivative for rate in rates),
+        derivatives=elements(rates),
+        indicators=len(elements(unknown.variable for unknown in model.eventIndicators))
+        if fmi3
+        else int(model.numberOfEventIndicators or 0),
+        follows_steps=needed if fmi3 else not not_needed,
+    )

@@ -1,0 +1,158 @@
+"""A run repeated with half and a quarter of its step, and as one system: how wrong it is.
+
+Of each chosen output y the differences d1 = y(H) - y(H/2) and d2 = y(H/2) - y(H/4) give the
+observed order p = log2(|d1| / |d2|), and Richardson's estimate of the error at H, |d1| 2^p/(2^p-1).
+Where p is no order, as in chaotic motion or where friction sticks at another time, there is no such
+estimate, and d1 is what is known.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import OrchestratorError
+from ..plan.plan import make_plan
+from ..results.netcdf import (
+    VERDICT,
+    ResultsFile,
+)
+from ..results.run import Run
+from ..run.simulate import (
+    simulate,
+    span,
+)
+from ..slaves.session import Session
+from ..system.system import System
+from ..trust.findings import Error, Refinement
+from .monolith import monolith
+
+ORDERS = (0.5, 4.5)
+"""Observed orders that count as such."""
+
+
+ROUNDING = 1e-12
+"""Difference of two runs, over the output's rms, that is rounding."""
+
+
+TWIN = 1.0
+"""Time over which a run is compared with its monolithic twin [s], which is slow."""
+
+
+Array = NDArray[np.float64]
+
+
+def verify(
+    system: System,
+    *,
+    outputs: Sequence[str] | None = None,
+    twin: float = TWIN,
+    run: Run | None = None,
+    **how: Any,
+) -> Run:
+    """The run that `simulate(system, **how)` makes, with its errors in `evidence.refinement`.
+
+    outputs: names or patterns of those that are judged; None takes all that drive an input, else
+    all. twin: time over which it is compared with the monolithic twin [s], where all FMUs offer
+    model exchange; 0 for none. run: the run itself, where it was made before. Raises
+    OrchestratorError as `simulate` does.
+    """
+    start, duration, step = span(
+        system.experiment, how.get("start"), how.get("duration"), how.get("step")
+    )
+    names = _chosen(system, outputs)
+    if run is None:
+        run = simulate(system, **how)
+    notes: list[str] = []
+    errors: list[Error] = []
+    if run.completed:
+        again = {k: v for k, v in how.items() if k not in _OF_THE_RUN}
+        again |= {"duration": duration, "start": start, "record": names}
+        # The rows of all runs at the times that the coarsest has, whatever it kept of them.
+        with Session() as session:
+            coarse, *finer = (
+                simulate(system, **again, session=session, step=step / n, every=n)
+                for n in (1, 2, 4)
+            )
+        stopped = next((r for r in finer if not r.completed), None)
+        if stopped is not None:
+            notes.append(f"with a smaller step the run stopped: {stopped.message}")
+        else:
+            errors = [
+                _error(name, coarse.record[:, n], *(r.record[:, n] for r in finer))
+                for n, (name, _) in enumerate(coarse.variables)
+            ]
+        against, said = _against_twin(system, coarse, names, min(twin, duration), step, start)
+        notes += said
+    else:
+        against = ()
+    found = Refinement(step, tuple(errors), against, min(twin, duration), tuple(notes))
+    judged = replace(
+        run, evidence=replace(run.evidence, refinement=found), notes=[*run.notes, *notes]
+    )
+    judged.attributes |= {VERDICT: str(judged.verdict)}
+    if run.path is not None:
+        file = ResultsFile.finished(run.path, 1 + len(run.variables))
+        file.finish({VERDICT: str(judged.verdict)})
+    return judged
+
+
+_OF_THE_RUN = ("duration", "start", "step", "record", "every", "out", "checkpoint", "measure",
+               "self_test", "progress", "command", "memory", "session")  # fmt: skip
+"""Arguments of `simulate` that its repetitions do not have, or have other ones of."""
+
+
+def _chosen(system: System, outputs: Sequence[str] | None) -> list[str]:
+    plan = make_plan(system, outputs)
+    if outputs is not None:
+        return [plan.name(*plan.columns[n]) for n in plan.recorded]
+    driving = {plan.column_of[k.source, k.output.name] for k in plan.links}
+    return [plan.name(*plan.columns[n]) for n in sorted(driving or plan.recorded)]
+
+
+def _error(name: str, coarse: Array, half: Array, quarter: Array) -> Error:
+    first, second = coarse - half, half - quarter
+    size = _rms(quarter)
+    if size == 0.0 or _rms(first) <= ROUNDING * size:
+        return Error(name, 0.0, 0.0, 0.0)
+    ratio = _rms(first) / max(_rms(second), ROUNDING * size)
+    order = math.log2(ratio)
+    if not ORDERS[0] <= order <= ORDERS[1]:
+        return Error(name, _rms(first) / size, float(np.max(np.abs(first))) / size, math.nan)
+    more = ratio / (ratio - 1.0) / size
+    return Error(name, _rms(first) * more, float(np.max(np.abs(first))) * more, order)
+
+
+def _against_twin(
+    system: System, run: Run, names: Sequence[str], span: float, step: float, start: float
+) -> tuple[tuple[Error, ...], list[str]]:
+    if span <= 0.0:
+        return (), []
+    try:
+        twin = monolith(system, duration=span, sample=step, start=start, record=names)
+    except OrchestratorError as error:
+        return (), [f"not compared with a monolithic twin: {error}"]
+    if not twin.completed:
+        return (), [f"not compared with a monolithic twin, which stopped: {twin.message}"]
+    rows = min(len(twin.time), len(run.time))
+    places = {name: n for n, (name, _) in enumerate(run.variables)}
+    found = []
+    for n, (name, _) in enumerate(twin.variables):
+        if name in places:
+            exact, own = twin.record[:rows, n], run.record[:rows, places[name]]
+            size = _rms(exact)
+            if size > 0.0:
+                off = own - exact
+                peak = float(np.max(np.abs(off))) / size
+                found.append(Error(name, _rms(off) / size, peak, math.nan))
+    return tuple(found), []
+
+
+def _rms(values: Array) -> float:
+    with np.errstate(over="ignore", invalid="ignore"):  # of what blew up
+        return float(np.sqrt(np.mean(np.square(values))))

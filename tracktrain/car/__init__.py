@@ -1,0 +1,1 @@
+"""The car as a system of FMUs, and its linear model."""

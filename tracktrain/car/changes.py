@@ -1,0 +1,156 @@
+"""Changes to a hopper car that know what its instances are: another FMU, initial coordinates."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..errors import (
+    HopperError,
+    choices,
+)
+from .hopper import (
+    BLOCK_OF,
+    required_ports,
+)
+
+if TYPE_CHECKING:
+    from orchestrator import (
+        Description,
+        PortMap,
+        System,
+    )
+    from orchestrator.system.system import Value
+
+COORDINATE = "initial."
+
+
+def swapped(
+    system: System, instance: str, path: Path, ports: PortMap | None = None
+) -> tuple[System, list[str]]:
+    """The car with another FMU as `instance`, and notes about what it lacks.
+
+    ports: what the block's names are in the FMU. Parameters that it has keep the car's values,
+    converted where it has them in other units; velocities that it does not give are differentiated
+    from its positions. Raises HopperError when ports are missing, and orchestrator.FmuError for a
+    file that cannot be coupled.
+    """
+    from orchestrator import describe
+
+    own = describe(_fmu(system, instance))
+    ports, found = seen(system, instance, path, ports)
+    missing = sorted(name for name in required_ports(instance) if found.find(name) is None)
+    if missing:
+        raise HopperError(
+            f"'{path}' cannot stand in for {instance}: it lacks the ports {', '.join(missing)}; "
+            f"give an FMU with all ports of the block '{BLOCK_OF[instance]}', or a map that says "
+            "what they are called"
+        )
+    swap = system.with_fmu(instance, path, ports)
+    component = swap.components[instance]
+    kept = {
+        name: _with_unit(value, own.variables[name].unit)
+        for name, value in component.parameters.items()
+        if found.find(name) is not None
+    }
+    components = {**swap.components, instance: replace(component, parameters=kept)}
+    lacking = [name for name in component.parameters if name not in kept]
+    absent = [
+        v.name
+        for v in (*own.inputs, *own.outputs)
+        if found.find(v.name) is None and v.name not in own.partials
+    ]
+    label = f"{path} as {instance}"
+    notes = [
+        f"{label} lacks the {what} {', '.join(names)}"
+        for what, names in (("parameters", lacking), ("optional ports", absent))
+        if names
+    ]
+    if ports is not None and ports.rates:
+        notes.append(f"{label}: {differentiated(ports)}")
+    return replace(swap, components=components), notes
+
+
+def seen(
+    system: System, instance: str, path: Path, ports: PortMap | None
+) -> tuple[PortMap | None, Description]:
+    """A map fitted to an instance, None if it changes nothing, and an FMU as seen through it."""
+    from orchestrator import (
+        PortMap,
+        describe,
+    )
+
+    found = describe(path)
+    ends = [end for c in system.connections for end in (c.source, c.target)]
+    owned = (end.partition(".")[::2] for end in ends)
+    needed = {name for owner, name in owned if owner == instance}
+    fitted = (ports or PortMap()).fitted(describe(_fmu(system, instance)), found, needed)
+    if fitted == PortMap():
+        return None, found
+    return fitted, fitted.applied(found)
+
+
+def differentiated(ports: PortMap) -> str:
+    """Which outputs a map differentiates, and how well."""
+    return (
+        f"{', '.join(ports.rates)} differentiated from {', '.join(ports.rates.values())}: backward "
+        "differences of second order over the macro steps, wrong by a third of the step squared "
+        "times the third derivative; 0 at the start"
+    )
+
+
+def displaced(system: System, instance: str, coordinate: str, value: str) -> System:
+    """The car with a coordinate of a truck or of the carbody at `value`, say "0.005 deg".
+
+    Raises HopperError for a coordinate that the instance has not.
+    """
+    from orchestrator import describe
+
+    variables = describe(_fmu(system, instance)).variables
+    known = [name.removeprefix(COORDINATE) for name in variables if name.startswith(COORDINATE)]
+    if not known:
+        raise HopperError(
+            f"{instance} has no initial coordinates; carbody, truck_front and truck_rear have"
+        )
+    if coordinate not in known:
+        raise HopperError(
+            f"{instance} has no initial coordinate '{coordinate}'; {choices(coordinate, known)}"
+        )
+    return assigned(system, instance, f"{COORDINATE}{coordinate}", value)
+
+
+def assigned(system: System, instance: str, name: str, value: str) -> System:
+    """The car with a parameter of an instance at `value`, say "200 lbf/in".
+
+    Raises HopperError for a number without the unit that it needs; the orchestrator refuses
+    whatever else does not fit when the run begins.
+    """
+    from orchestrator import describe
+
+    variable = describe(_fmu(system, instance)).variables.get(name)
+    unit = variable.unit if variable else None
+    if unit not in (None, "", "1") and _is_bare_number(value):
+        raise HopperError(
+            f"{instance}.{name} cannot be '{value}': the unit is missing; "
+            f'write it in {unit} or a unit that measures the same, as in "{value} {unit}"'
+        )
+    return system.with_value(f"{instance}.{name}", value)
+
+
+def _with_unit(value: Value, unit: str | None) -> Value:
+    """The number as a quantity, so that it means the same in whatever unit it is read."""
+    plain = isinstance(value, float) and unit not in (None, "", "1")
+    return f"{value!r} {unit}" if plain else value
+
+
+def _fmu(system: System, instance: str) -> Path:
+    return Path(str(system.components[instance].fmu))
+
+
+def _is_bare_number(value: str) -> bool:
+    try:
+        return float(value) != 0.0 and math.isfinite(float(value))
+    except ValueError:
+        return False

@@ -1,0 +1,308 @@
+"""The coupled car for small motion, out of the blocks' own equations, with exact derivatives.
+
+car = LinearCar("loaded")
+roots, shapes = car.modes(speed=24.4)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from fmus import BLOCKS
+from fmus.describe.block import Block
+from fmus.describe.parameters import parameter_set
+from fmus.truck.mass import mass_matrix
+from fmus.truck.ports import ELEMENTS
+
+from ..errors import (
+    HopperError,
+    choices,
+)
+from .hopper import (
+    BLOCK_OF,
+    hopper_car,
+)
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+KINDS = ("stuck", "free", "damper")
+"""What stands for an element's dry friction: its elastic stiffness, nothing, or the damper of
+report (7-7)."""
+
+FRICTION = {
+    **{kind: dict.fromkeys(ELEMENTS, kind) for kind in KINDS},
+    "report": dict.fromkeys(ELEMENTS, "free")
+    | dict.fromkeys(("centre_plate_lateral", "centre_plate_yaw", "bolster_lateral"), "stuck"),
+}
+"""Kinds of all elements by a name. `report` has linear trucks with the bolster stuck laterally,
+with which the modes of report Figures 7-15 and 7-16 are met."""
+
+MOVING = tuple(name for name, block in BLOCK_OF.items() if block in ("carbody", "truck"))
+"""The instances that have a state."""
+
+LARGE = 4.0
+"""Amplitude of an element without a stop that the damper of (7-7) is made for, over f/Kf."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of the car: its name, the blocks that have it, its value [SI], unit and meaning."""
+
+    name: str
+    blocks: tuple[str, ...]
+    value: float
+    unit: str
+    description: str
+
+
+class LinearCar:
+    """dx/dt = A x of the hopper car on perfect track, flange open.
+
+    car: a parameter set; changes: values [SI] instead of the set's, by "block.parameter" or
+    "parameter" for all blocks that have it. friction: a name of `FRICTION`, or kinds by element.
+    omega [rad/s]: frequency that the dampers of (7-7) are made for.
+
+    Raises HopperError for a parameter, an element or a kind of friction that is not known.
+    """
+
+    def __init__(
+        self,
+        car: str = "loaded",
+        changes: Mapping[str, float] | None = None,
+        friction: str | Mapping[str, str] = "stuck",
+        omega: float = 2 * np.pi,
+    ) -> None:
+        self.car, self.friction, self.omega = car, _kinds(friction), omega
+        self._blocks = _blocks()
+        given = parameter_set(car)
+        self._values = {name: given.values(block) for name, block in self._blocks.items()}
+        for name, value in (changes or {}).items():
+            self._change(name, value)
+        law = int(self._values["wheelrail"]["creep_law"])
+        self._numerical, self._slope = _functions(law, tuple(self.friction.items()))
+        self.states = _states()
+
+    def _change(self, name: str, value: float) -> None:
+        block, _, parameter = name.partition(".")
+        if block not in self._blocks or parameter not in self._values[block]:
+            block, parameter = "", name
+        found = [b for b, v in self._values.items() if (not block or b == block) and parameter in v]
+        if not found:
+            known = sorted({n for values in self._values.values() for n in values})
+            raise HopperError(f"the car has no parameter '{name}'; {choices(name, known)}")
+        for b in found:
+            self._values[b][parameter] = value
+
+    @property
+    def parameters(self) -> list[Parameter]:
+        """The numbers of the car: all but options and initial values."""
+        found: dict[str, Parameter] = {}
+        for name, block in self._blocks.items():
+            for p in block.parameters:
+                if p.kind != "real" or p.name.startswith("initial.") or p.name == "micro_step":
+                    continue
+                before = found[p.name].blocks if p.name in found else ()
+                value = self._values[name][p.name]
+                found[p.name] = Parameter(p.name, (*before, name), value, p.unit, p.description)
+        return list(found.values())
+
+    def values(self, block: str) -> dict[str, float]:
+        """Parameter values [SI] of a block as this car has them."""
+        return dict(self._values[block])
+
+    def _arguments(self, speed: float, changes: Mapping[str, float]) -> list[Any]:
+        values = (
+            {name: changes.get(name, value) for name, value in self._values[block].items()}
+            for block in self._blocks
+        )
+        vectors = map(Block.parameter_vector, self._blocks.values(), values)
+        return [*vectors, self.omega, speed]
+
+    def matrix(self, speed: float, changes: Mapping[str, float] | None = None) -> Array:
+        """A at a speed [m/s], (states, states); changes: further values [SI] by parameter."""
+        return np.array(self._numerical(*self._arguments(speed, changes or {})))
+
+    def modes(self, speed: float) -> tuple[Complex, Complex]:
+        """Eigenvalues [1/s] with a positive imaginary part, and their shapes in the columns."""
+        roots, shapes = np.linalg.eig(self.matrix(speed))
+        swinging = roots.imag > 1e-6 * np.abs(roots).max() * 1e-3
+        order = np.argsort(roots.imag[swinging])
+        return roots[swinging][order], shapes[:, swinging][:, order]
+
+    def growth(self, speed: float) -> float:
+        """Largest growth rate [1/s] of any oscillation."""
+        return float(self.modes(speed)[0].real.max())
+
+    def slopes(self, speed: float, root: complex) -> tuple[dict[str, complex], complex]:
+        """Derivative of an eigenvalue with respect to each parameter, and to the speed.
+
+        w^H (dA/dp) v/(w^H v) with the left and right eigenvectors: exact. [1/s per SI unit]
+        """
+        matrix = self.matrix(speed)
+        roots, right = np.linalg.eig(matrix)
+        place = int(np.abs(roots - root).argmin())
+        v = right[:, place]
+        w = np.linalg.inv(right)[place]
+        arguments = self._arguments(speed, {})
+        sizes = [len(block.parameters) for block in self._blocks.values()]
+        first = dict(zip(self._blocks, np.cumsum([0, *sizes]), strict=False))
+
+        def along(seed: Array) -> complex:
+            return complex(w @ np.array(self._slope(*arguments, seed)) @ v)
+
+        found = {}
+        for parameter in self.parameters:
+            seed = np.zeros(sum(sizes) + 1)
+            for block in parameter.blocks:
+                names = [p.name for p in self._blocks[block].parameters]
+                seed[first[block] + names.index(parameter.name)] = 1.0
+            found[parameter.name] = along(seed)
+        seed = np.zeros(sum(sizes) + 1)
+        seed[-1] = 1.0
+        return found, along(seed)
+
+    def energies(self, shape: Complex) -> dict[str, float]:
+        """Share of the kinetic energy of a mode in each coordinate, by "instance.q[i]"."""
+        shares: dict[str, float] = {}
+        at = {name: shape[i] for i, name in enumerate(self.states)}
+        for instance in MOVING:
+            rates = [n for n in self.states if n.startswith(f"{instance}.qd[")]
+            v = np.array([at[n] for n in rates])
+            mass = np.eye(len(v))
+            if BLOCK_OF[instance] == "truck":
+                given = {name: ca.SX(value) for name, value in self._values["truck"].items()}
+                mass = np.array(ca.evalf(mass_matrix(given)))
+            moved = mass @ v
+            for name, value, own in zip(rates, v, moved, strict=True):
+                shares[name.replace(".qd[", ".q[")] = float((np.conj(value) * own).real) / 2
+        total = sum(shares.values())
+        return {name: value / total for name, value in shares.items()}
+
+
+def _kinds(friction: str | Mapping[str, str]) -> dict[str, str]:
+    """The kind of each element's friction; of those that are not named it is stuck."""
+    if isinstance(friction, str):
+        if friction not in FRICTION:
+            raise HopperError(f"there is no friction '{friction}'; {choices(friction, FRICTION)}")
+        return FRICTION[friction]
+    for element, kind in friction.items():
+        if element not in ELEMENTS:
+            raise HopperError(f"a truck has no element '{element}'; {choices(element, ELEMENTS)}")
+        if kind not in KINDS:
+            raise HopperError(
+                f"{element} cannot have the friction '{kind}'; {choices(kind, KINDS)}"
+            )
+    return {element: friction.get(element, "stuck") for element in ELEMENTS}
+
+
+@cache
+def _blocks() -> dict[str, Block]:
+    """The blocks of a car, built once: that takes longer than all that is done with them."""
+    return {name: BLOCKS[name]() for name in ("carbody", "truck", "wheelrail")}
+
+
+def _block(instance: str) -> Block:
+    return _blocks()[BLOCK_OF[instance]]
+
+
+def _states() -> tuple[str, ...]:
+    return tuple(f"{i}.{state.name}" for i in MOVING for state in _block(i).continuous)
+
+
+@cache
+def _functions(law: int, friction: tuple[tuple[str, str], ...]) -> tuple[ca.Function, ca.Function]:
+    """(parameters of each block, omega, speed) -> A, and its derivative along a direction of the
+    parameters and the speed, for a creep law and kinds of friction."""
+    p = {name: ca.SX.sym(f"p_{name}", len(b.parameters)) for name, b in _blocks().items()}
+    omega, speed = ca.SX.sym("omega"), ca.SX.sym("speed")
+    stuck = _jacobian(p, speed, law)
+    matrix = ca.densify(_with_friction(stuck, p["truck"], dict(friction), omega))
+    along = ca.vertcat(*p.values(), speed)
+    seed = ca.SX.sym("seed", along.numel())
+    slope = ca.reshape(ca.jtimes(ca.vec(matrix), along, seed), *matrix.shape)
+    arguments = [*p.values(), omega, speed]
+    return (
+        ca.Function("matrix", arguments, [matrix]),
+        ca.Function("slope", [*arguments, seed], [slope]),
+    )
+
+
+def _jacobian(p: Mapping[str, ca.SX], speed: ca.SX, law: int) -> ca.SX:
+    """A with friction stuck, by closing the connections symbolically."""
+    source = {c.target: c.source for c in hopper_car().connections}
+    derived = {name: block.functions.derived(p[name]) for name, block in _blocks().items()}
+    x = {name: ca.SX.sym(f"x_{name}", len(_block(name).continuous)) for name in MOVING}
+    known: dict[tuple[str, frozenset[int]], ca.SX] = {}
+
+    def arguments(instance: str, needed: frozenset[int]) -> list[ca.SX]:
+        block, kind = _block(instance), BLOCK_OF[instance]
+        memory = ca.SX.zeros(len(block.memory))
+        state = ca.vertcat(x.get(instance, ca.SX(0, 1)), memory)
+        inputs = ca.SX([port.start for port in block.inputs])
+        for place in needed:
+            target = f"{instance}.{block.inputs[place].name}"
+            if target in source:
+                inputs[place] = output(source[target])
+        return [state, inputs, p[kind], derived[kind]]
+
+    def output(name: str) -> ca.SX:
+        instance, _, variable = name.partition(".")
+        if instance == "track":
+            return speed if variable == "speed_out" else ca.SX(0)
+        block = _block(instance)
+        # Of a block with a choice of laws the one that is chosen: only that has plain expressions.
+        laws = block.output_branches()
+        function = laws[law - 1] if block.switch else laws[0]
+        place = [port.name for port in block.outputs].index(variable)
+        row = function.jac_sparsity(0, 1).T
+        needed = frozenset(row.row()[row.colind()[place] : row.colind()[place + 1]])
+        if (instance, needed) not in known:
+            known[instance, needed] = function.expand()(*arguments(instance, needed), ca.SX(0, 0))
+        return known[instance, needed][place]
+
+    rates = []
+    for instance in MOVING:
+        every = frozenset(range(len(_block(instance).inputs)))
+        rates.append(_block(instance).functions.derivative(*arguments(instance, every)))
+    all_x = ca.vertcat(*x.values())
+    slope = ca.jacobian(ca.vertcat(*rates), all_x)
+    return ca.substitute(slope, all_x, ca.SX.zeros(*all_x.shape))
+
+
+def _with_friction(stuck: ca.SX, p: ca.SX, friction: Mapping[str, str], omega: ca.SX) -> ca.SX:
+    """A with the elements' friction as it is to stand for.
+
+    A is affine in each friction stiffness: its derivative is what a unit spring in the element's
+    place does. The same moved from the columns of the positions to those of the rates is what a
+    unit damper does.
+    """
+    names = [parameter.name for parameter in _blocks()["truck"].parameters]
+    states = _states()
+
+    def of(element: str, which: str) -> ca.SX:
+        return p[names.index(f"{element}.{which}")]
+
+    to_rates = ca.SX(len(states), len(states))
+    for place, name in enumerate(states):
+        if ".q[" in name:
+            to_rates[place, states.index(name.replace(".q[", ".qd["))] = 1
+    total = stuck
+    for element, kind in friction.items():
+        if kind == "stuck":
+            continue
+        stiffness, limit = of(element, "friction_stiffness"), of(element, "friction_limit")
+        spring = ca.reshape(ca.jtimes(ca.vec(stuck), stiffness, ca.SX(1)), *stuck.shape)
+        total = total - stiffness * spring
+        if kind == "damper":
+            has_stop = of(element, "stop_stiffness") > 0
+            amplitude = ca.if_else(has_stop, of(element, "free_play"), LARGE * limit / stiffness)
+            damper = 4 * limit / (ca.pi * omega * amplitude)  # report (7-7), erratum 18
+            total = total + damper * (spring @ to_rates)
+    return total

@@ -1,0 +1,253 @@
+"""A mode of the car in three dimensions: what moves where, drawn and animated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from io import BytesIO
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .hopper import TRUCKS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+FRAMES = 24
+"""Pictures of one cycle."""
+
+HEIGHT, HALF_WIDTH = 2.4, 1.5
+"""Of the drawn carbody above its centre plates, and across [m]; for the eye only."""
+
+FLOOR = ((0.0, 0.17, 0.33, 0.5, 1.0), (0.3, -0.3, -0.3, 0.2, 1.6))
+"""The hoppers' floor: shares of half the length, and height there above the centre plates [m]."""
+
+WHEEL_RADIUS = 0.42
+"""[m]; for the eye only."""
+
+DRAWN = 0.6
+"""Largest displacement in the drawing [m]."""
+
+
+RIM = [
+    (WHEEL_RADIUS * float(np.cos(a)), WHEEL_RADIUS * float(np.sin(a)))
+    for a in np.linspace(0, 2 * np.pi, 25)
+]
+"""Points of a wheel about its axle [m]."""
+
+COORDINATES = (
+    *(f"carbody.q[{i}]" for i in range(1, 9)),
+    *(f"{truck}.q[{i}]" for truck in TRUCKS for i in range(1, 7)),
+)
+"""The coordinates that the wire frame moves with."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of the wire frame: points (n, 3) [m] and their displacement (n, 3), complex."""
+
+    points: Array
+    motion: NDArray[np.complex128]
+    part: str
+
+
+def wire_frame(
+    shape: Mapping[str, complex], carbody: Mapping[str, float], truck: Mapping[str, float]
+) -> list[Line]:
+    """The car's lines with the displacement of a mode.
+
+    shape: complex amplitude by "instance.q[i]"; carbody, truck: the blocks' parameter values [SI].
+    """
+    return [*_carbody(shape, carbody), *_trucks(shape, carbody, truck)]
+
+
+def unit_motions(
+    carbody: Mapping[str, float], truck: Mapping[str, float]
+) -> tuple[list[Line], Array]:
+    """The wire frame at rest, and the displacement of its points per unit of each coordinate.
+
+    Shape (coordinates, points, 3), in the order of `COORDINATES` and of the lines' points: motion
+    is linear in the coordinates, so that these tell every motion of the car.
+    """
+    frames = [wire_frame({name: 1.0}, carbody, truck) for name in COORDINATES]
+    motions = [np.concatenate([line.motion.real for line in frame]) for frame in frames]
+    return frames[0], np.array(motions)
+
+
+def _carbody(shape: Mapping[str, complex], p: Mapping[str, float]) -> Iterator[Line]:
+    """Sections along the body, and the lines between their corners."""
+    stations = np.linspace(-p["body_length"] / 2, p["body_length"] / 2, 13)
+    h = p["gravity_centre_height"]
+    corners = ((-1, False), (1, False), (1, True), (-1, True))
+
+    def point(x: float, corner: tuple[int, bool]) -> tuple[Array, NDArray[np.complex128]]:
+        side, upper = corner
+        floor = np.interp(2 * abs(x) / p["body_length"], *FLOOR)
+        y, z = side * HALF_WIDTH, HEIGHT if upper else float(floor)
+        return np.array([x, y, z]), _body_motion(shape, p, x, y, z - h)
+
+    for corner in corners:
+        ends = [point(x, corner) for x in stations]
+        yield Line(np.array([e[0] for e in ends]), np.array([e[1] for e in ends]), "carbody")
+    for x in stations[::3]:
+        ring = [point(x, corner) for corner in (*corners, corners[0])]
+        yield Line(np.array([e[0] for e in ring]), np.array([e[1] for e in ring]), "carbody")
+    sill = [(np.array([x, 0.0, 0.0]), _body_motion(shape, p, x, 0.0, -h)) for x in stations[::2]]
+    yield Line(np.array([e[0] for e in sill]), np.array([e[1] for e in sill]), "carbody")
+
+
+def _body_motion(
+    shape: Mapping[str, complex], p: Mapping[str, float], x: float, y: float, above: float
+) -> NDArray[np.complex128]:
+    """Displacement of a point at (x, y), `above` the centre of gravity [m], by the modes' shapes.
+
+    Torsion is drawn linear along the body, as large at the centre plates as the block has it.
+    """
+    from fmus.carbody.rig import beam_shape
+
+    q = [shape.get(f"carbody.q[{i}]", 0.0) for i in range(1, 9)]
+    root_mass = p["body_mass"] ** 0.5
+    bending, _ = beam_shape(np.array(x), p["body_length"])
+    roll = q[2] / p["roll_inertia"] ** 0.5
+    roll += p["torsion_shape"] * x / p["half_truck_spacing"] * q[5] / p["roll_inertia"] ** 0.5
+    yaw, pitch = q[3] / p["yaw_inertia"] ** 0.5, q[4] / p["pitch_inertia"] ** 0.5
+    lateral = (q[0] + bending * q[6]) / root_mass
+    vertical = (q[1] + bending * q[7]) / root_mass
+    return np.array(
+        [pitch * above - yaw * y, lateral + yaw * x - roll * above, vertical - pitch * x + roll * y]
+    )
+
+
+def _trucks(
+    shape: Mapping[str, complex], body: Mapping[str, float], p: Mapping[str, float]
+) -> Iterator[Line]:
+    """Wheelsets, side frames and bolster of both trucks, seen from the coordinates."""
+    half, d, half_gauge = (
+        p["half_wheelbase"], p["half_side_frame_spacing"], p["half_contact_spacing"],
+    )  # fmt: skip
+    for instance, middle in (
+        ("truck_front", body["half_truck_spacing"]),
+        ("truck_rear", -body["half_truck_spacing"]),
+    ):
+        q = [shape.get(f"{instance}.q[{i}]", 0.0) for i in range(1, 7)]
+        centre = q[0] + half * (q[1] + q[3])
+        axle_height = WHEEL_RADIUS - p["centre_plate_height"]
+
+        def line(part: str, *ends: tuple[float, float, float, complex, complex, complex]) -> Line:
+            return Line(np.array([e[:3] for e in ends]), np.array([e[3:] for e in ends]), part)
+
+        for x, y in ((half, q[0] + 2 * half * (q[1] + q[3])), (-half, q[0])):
+            yield line(
+                "wheelset",
+                *(
+                    (middle + x, side * half_gauge * 1.15, axle_height, -q[1] * side * d, y, 0.0)
+                    for side in (1, -1)
+                ),
+            )
+            for side in (1, -1):
+                yield line(
+                    "wheelset",
+                    *(
+                        (
+                            middle + x + along,
+                            side * half_gauge,
+                            axle_height + above,
+                            -q[1] * side * half_gauge,
+                            y + q[1] * along,
+                            0.0,
+                        )
+                        for along, above in RIM
+                    ),
+                )
+        for side in (1, -1):
+            yield line(
+                "side frame",
+                *(
+                    (
+                        middle + x,
+                        side * d,
+                        axle_height,
+                        -side * d * q[1],
+                        centre + x * (q[1] + q[3]),
+                        0.0,
+                    )
+                    for x in (half, -half)
+                ),
+            )
+        yield line(
+            "bolster",
+            *(
+                (middle, side * d, -0.15, -side * d * q[1], centre + q[4], q[5] + side * d * q[2])
+                for side in (1, -1)
+            ),
+        )
+
+
+def draw_mode(lines: list[Line], title: str) -> Figure:
+    """The mode at its extreme, over the car at rest."""
+    figure, axes = _axes(title)
+    for line in lines:
+        axes.plot(*line.points.T, color="#b9c2cc", lw=0.7)
+    for artist, line in zip(_artists(axes, lines), lines, strict=True):
+        _place(artist, line, _scaled(lines), 0.0)
+    return figure
+
+
+def animate_mode(lines: list[Line], title: str) -> bytes:
+    """One cycle of the mode as an animated GIF."""
+    import matplotlib as mpl
+    from PIL import Image
+
+    figure, axes = _axes(title, width=6.0)
+    artists, scale = _artists(axes, lines), _scaled(lines)
+    frames = []
+    for number in range(FRAMES):
+        for artist, line in zip(artists, lines, strict=True):
+            _place(artist, line, scale, 2 * np.pi * number / FRAMES)
+        buffer = BytesIO()
+        with mpl.rc_context({"savefig.dpi": 80}):
+            figure.savefig(buffer, format="png")
+        frames.append(Image.open(buffer).convert("P", palette=Image.Palette.ADAPTIVE))
+    animated = BytesIO()
+    frames[0].save(animated, "GIF", save_all=True, append_images=frames[1:], duration=60, loop=0)
+    return animated.getvalue()
+
+
+COLOURS = {
+    "carbody": "#1f5fa8",
+    "bolster": "#c0432c",
+    "side frame": "#2f7d4f",
+    "wheelset": "#1c2733",
+}
+
+
+def _axes(title: str, width: float = 9.0) -> tuple[Figure, Any]:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, width * 0.5))
+    axes: Any = figure.add_axes((-0.12, -0.25, 1.24, 1.4), projection="3d")
+    axes.set_title(title, y=0.86, fontsize=10)
+    axes.set_box_aspect((13.5, 4.2, 4.0), zoom=1.0)
+    axes.set(xlim=(-6.8, 6.8), ylim=(-2.1, 2.1), zlim=(-0.9, 3.1))
+    axes.view_init(elev=18, azim=-62)
+    axes.set_axis_off()
+    return figure, axes
+
+
+def _artists(axes: Any, lines: list[Line]) -> list[Any]:
+    return [axes.plot([], [], [], color=COLOURS[line.part], lw=1.6)[0] for line in lines]
+
+
+def _scaled(lines: list[Line]) -> complex:
+    """Factor that makes the mode's largest displacement real, and as large as it is drawn."""
+    motions = np.concatenate([line.motion.ravel() for line in lines])
+    largest = motions[np.abs(motions).argmax()]
+    return DRAWN / largest
+
+
+def _place(artist: Any, line: Line, scale: complex, phase: float) -> None:
+    moved = line.points + (line.motion * scale * np.exp(1j * phase)).real
+    artist.set_data_3d(*moved.T)

@@ -1,0 +1,119 @@
+"""A model of one's own: `tracktrain new` starts it, `tracktrain fmu pack` makes an FMU of it."""
+
+from __future__ import annotations
+
+import importlib.util
+import keyword
+from importlib.resources import files
+from pathlib import Path
+
+import click
+
+from ..car.hopper import BLOCK_OF
+from ..errors import TracktrainError
+from ..failures import clear_errors
+from ..options.types import Name
+from ..terminal import writable
+
+BLOCKS = tuple(dict.fromkeys(BLOCK_OF.values()))
+PLACEHOLDER = "my_model"
+
+
+@click.command(
+    epilog="""\b
+Examples:
+  tracktrain new wheelrail my_creep
+  tracktrain new truck my_truck --out models"""
+)
+@click.argument("block", type=Name("block", BLOCKS))
+@click.argument("name")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path(),
+    metavar="DIR",
+    help="Folder to make the project's folder in.  [default: here]",
+)
+def new(block: str, name: str, out: Path) -> None:
+    """Start a model of your own in the place of a BLOCK: a folder NAME with plain Python.
+
+    It runs as it is. Its README tells how it becomes an FMU and how the car runs with it.
+    """
+    with clear_errors():
+        project = write_project(block, name, out)
+        for path in sorted(project.iterdir()):
+            click.echo(path)
+        click.echo(
+            f"\nnext: tracktrain fmu pack {project}, then "
+            f"tracktrain run --swap {_instance(block)}={name}.fmu"
+        )
+
+
+@click.command(
+    epilog="""\b
+Examples:
+  tracktrain fmu pack my_creep
+  tracktrain fmu pack my_creep/my_creep.py --out fmus"""
+)
+@click.argument("project", type=click.Path(path_type=Path))
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path(),
+    metavar="DIR",
+    help="Folder to write to.  [default: here]",
+)
+def pack(project: Path, out: Path) -> None:
+    """Make an FMU of a model in plain Python: of a file, or of the folder of the same name.
+
+    The model is tried out first: what its ports, its state and its feedthrough promise has to hold.
+    `tracktrain new` starts such a model.
+    """
+    from fmus.export.python import pack as pack_model
+
+    path = pack_model(project, writable(out))
+    click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
+
+
+def write_project(block: str, name: str, out: Path) -> Path:
+    """Write the folder of a new model and return it; raises TracktrainError for a bad name."""
+    _check_name(name)
+    project = out / name
+    if project.exists():
+        raise TracktrainError(f"'{project}' exists already; choose another name or another --out")
+    templates = files("tracktrain") / "templates"
+    texts = {
+        "README.md": templates / "README.md",
+        f"{name}.py": templates / block / f"{PLACEHOLDER}.py",
+        f"test_{name}.py": templates / block / f"test_{PLACEHOLDER}.py",
+    }
+    replacements = {
+        PLACEHOLDER: name,
+        "MyModel": "".join(part[:1].upper() + part[1:] for part in name.split("_")),
+        "BLOCK": block,
+        "INSTANCE": _instance(block),
+    }
+    project.mkdir(parents=True)
+    for file, template in texts.items():
+        text = template.read_text(encoding="utf-8")
+        for old, new_text in replacements.items():
+            text = text.replace(old, new_text)
+        (project / file).write_text(text, encoding="utf-8")
+    return project
+
+
+def _check_name(name: str) -> None:
+    example = "write a name such as my_creep: small letters, digits and underscores"
+    if not name.isidentifier() or not name.isascii() or keyword.iskeyword(name):
+        raise TracktrainError(f"'{name}' is no name of a Python module; {example}")
+    if name != name.lower() or not name[0].isalpha() or name.startswith("test_"):
+        raise TracktrainError(f"a model cannot be called '{name}'; {example}")
+    if importlib.util.find_spec(name) is not None:
+        raise TracktrainError(
+            f"there is a Python module '{name}' already, which would hide the model; {example}"
+        )
+
+
+def _instance(block: str) -> str:
+    """The first instance of the car that is such a block."""
+    return next(instance for instance, kind in BLOCK_OF.items() if kind == block)

@@ -1,0 +1,107 @@
+"""The table that a run ends with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Group
+from rich.table import Table
+
+from ..scales import (
+    ACCELERATION,
+    DISPLACEMENT,
+    FORCE,
+    RATIO,
+    Scale,
+    three_digits,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from rich.console import RenderableType
+
+    from orchestrator import Run
+
+ROWS: Mapping[str, Mapping[str, tuple[str, Scale]]] = {
+    "leading axle": {
+        "lateral force": ("wheelset_11.force_y", FORCE),
+        "displacement to rail": ("wheelset_11.y_rel", DISPLACEMENT),
+        "L/V of left wheel": ("wheelset_11.left.l_over_v", RATIO),
+        "L/V of right wheel": ("wheelset_11.right.l_over_v", RATIO),
+    },
+    "carbody acceleration": {
+        "lateral": ("carbody.cg.ay", ACCELERATION),
+        "vertical": ("carbody.cg.az", ACCELERATION),
+    },
+}
+"""Groups of what is shown: the variable that it is read from, and its units."""
+
+MOST = 12
+"""Rows of a system that has nothing of `ROWS`."""
+
+
+def summary(run: Run) -> RenderableType:
+    """Statistics of the variables of `ROWS` that the run has, then how well the run went."""
+    return Group(_responses(run.dataset), _quality(run))
+
+
+def _responses(dataset: xr.Dataset) -> Table:
+    table = Table(
+        "",
+        "",
+        "rms",
+        "peak",
+        "dominant\nfrequency",
+        box=SIMPLE_HEAD,
+        pad_edge=False,
+        collapse_padding=True,
+    )
+    for column in table.columns[2:]:
+        column.justify, column.no_wrap = "right", True
+    for group, rows in (_known(dataset) or _first(dataset)).items():
+        table.add_row(group, style="bold")
+        for label, (variable, scale) in rows.items():
+            table.add_row(f" {label}", scale.units, *_statistics(dataset[variable], scale))
+    return table
+
+
+def _known(dataset: xr.Dataset) -> Mapping[str, Mapping[str, tuple[str, Scale]]]:
+    """What `ROWS` names and the dataset has."""
+    present = {
+        group: {label: row for label, row in rows.items() if row[0] in dataset}
+        for group, rows in ROWS.items()
+    }
+    return {group: rows for group, rows in present.items() if rows}
+
+
+def _first(dataset: xr.Dataset) -> Mapping[str, Mapping[str, tuple[str, Scale]]]:
+    """Rows for a system that is no hopper car: its first variables, in their own units."""
+    names = [str(name) for name in dataset.data_vars][:MOST]
+    group = "outputs" if len(names) == len(dataset.data_vars) else f"first {MOST} outputs"
+    return {group: {name: (name, Scale(str(dataset[name].attrs["units"]), 1.0)) for name in names}}
+
+
+def _statistics(values: xr.DataArray, scale: Scale) -> tuple[str, str, str]:
+    from orchestrator.results.metrics import (
+        dominant_frequency,
+        peak,
+        rms,
+    )
+
+    moves = values.size > 2 and bool((values != values[0]).any())
+    frequency = f"{dominant_frequency(values):.2f} Hz" if moves else "-"
+    return scale.numbers(rms(values)), scale.numbers(peak(values)), frequency
+
+
+def _quality(run: Run) -> Table:
+    table = Table.grid(padding=(0, 2))
+    if run.bonds:
+        worst = max(run.bonds, key=lambda bond: bond.relative)
+        table.add_row("energy residual", f"{worst.relative:.1e} of the energy that passed, at most")
+        table.add_row("", f"({worst.name})")
+    for part in run.statistics.iterations:
+        table.add_row("evaluations of a step", f"{part.mean:.2f} on average, {part.most} at most")
+    table.add_row("real-time factor", three_digits(run.real_time_factor))
+    return table

@@ -1,0 +1,137 @@
+"""The command `tracktrain sweep`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..failures import (
+    Stopped,
+    clear_errors,
+    termination_as_interrupt,
+)
+from ..options.chosen import (
+    refuse_options,
+    system_options,
+)
+from ..options.master import master_options
+from ..terminal import (
+    printable,
+    progress_bar,
+    writable,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@click.command(
+    epilog="""\b
+Examples:
+  tracktrain sweep --over speed=20:140:5ft/s --over seed=1:50
+  tracktrain sweep --over car=loaded,empty --over speed=40:120:10ft/s --track fra4
+  tracktrain sweep --over wheelset_11.conicity=0.02:0.2:0.02 --workers 4
+  tracktrain sweep --over truck_front.initial.yaw=0.1:1:0.1deg --track perfect
+  tracktrain sweep --over seed=1:1000 --scheduler tcp://node1:8786 --out many"""
+)
+@click.option(
+    "--over",
+    "axes",
+    multiple=True,
+    required=True,
+    metavar="NAME=VALUES",
+    help="What to sweep over: speed, seed, car, track, duration, step, master or an "
+    "instance.parameter; as start:stop:step with a unit, or a list with commas. Repeatable: all "
+    "combinations are run.",
+)
+@system_options
+@master_options
+@click.option(
+    "--output",
+    "outputs",
+    multiple=True,
+    metavar="PATTERN",
+    help="Take the numbers of the outputs whose names match. Repeatable.  [default: those that a "
+    "run prints]",
+)
+@click.option(
+    "--workers",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Processes on this machine.  [default: one a core]",
+)
+@click.option(
+    "--scheduler", metavar="ADDRESS", help="Run on the cluster of this Dask scheduler instead."
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("tracktrain-sweep"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder for the table and pictures; a sweep that was stopped goes on there.",
+)
+@click.option("--quiet", is_flag=True, help="Print errors only.")
+@click.pass_context
+def sweep(
+    ctx: click.Context,
+    axes: tuple[str, ...],
+    outputs: tuple[str, ...],
+    workers: int | None,
+    scheduler: str | None,
+    out: Path,
+    quiet: bool,
+    **options: Any,
+) -> None:
+    """Run the hopper car at every combination of some values; one table out.
+
+    Each run that is done is on the disk at once: after Ctrl-C, or a kill, the same command goes on.
+    A run that fails is a row that says why. Writes sweep.csv, sweep.nc and a picture an output.
+    """
+    with clear_errors():
+        from ..sweep.axes import read_axis
+        from ..sweep.grid import OUTPUTS
+        from ..sweep.grid import sweep as run_sweep
+        from ..sweep.pictures import write_pictures
+
+        found = [read_axis(text) for text in axes]
+        for axis in found:
+            refuse_options(ctx, [axis.name], f"{axis.name} is swept over")
+        folder = writable(out)
+        try:
+            with progress_bar("sweep", hidden=quiet) as progress, termination_as_interrupt():
+                table = run_sweep(
+                    found,
+                    out=folder,
+                    outputs=outputs or OUTPUTS,
+                    workers=workers,
+                    scheduler=scheduler,
+                    progress=progress,
+                    **options,
+                )
+        except KeyboardInterrupt:
+            raise Stopped(
+                f"interrupted; the runs that are done are in {folder}, and the same command goes "
+                "on with the others"
+            ) from None
+        write_pictures(table, folder)
+        if not quiet:
+            _print(table, [axis.digest for axis in found], folder)
+
+
+def _print(table: xr.Dataset, axes: list[str], folder: Path) -> None:
+    from rich.console import Console
+
+    from ..sweep.table import digest
+
+    console = Console()
+    failed = [str(text) for text in table["message"].values.ravel() if text]
+    console.print(printable(digest(table), f"{table['done'].size} runs: {'; '.join(axes)}"))
+    if failed:
+        note = f"note: {len(failed)} runs failed, as: {failed[0]}"
+        console.print(note, style="dim", markup=False, highlight=False)
+    console.print(
+        f"sweep.csv, sweep.nc and pictures are in {folder}", markup=False, highlight=False
+    )

@@ -1,0 +1,145 @@
+"""Options that several commands have: the car, its speed, its track, an FMU in a block's place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..car.hopper import (
+    BLOCK_OF,
+    CARS,
+    TRACKS,
+)
+from .types import (
+    Assignment,
+    Name,
+    Quantity,
+)
+
+Option = Callable[[Any], Any]
+SPEED_UNITS = ("ft/s", "mph", "m/s", "km/h")
+REPORT_SPEEDS = ("60 ft/s", "80 ft/s", "100 ft/s")
+FRICTION = ("stuck", "free", "damper", "report")
+"""Names of `linear.FRICTION`, which the command line does not load before it must."""
+
+
+def car_option(default: str = "loaded") -> Option:
+    """--car, a parameter set."""
+    return click.option(
+        "--car",
+        type=Name("car", CARS),
+        default=default,
+        show_default=True,
+        help="Parameter set of the car.",
+    )
+
+
+def speed_option(
+    default: str = "60 ft/s",
+    meaning: str = "Speed of the train, with its unit.",
+    name: str = "--speed",
+    argument: str | None = None,
+) -> Option:
+    """A speed [m/s]."""
+    return click.option(
+        name,
+        *([argument] if argument else []),
+        type=Quantity("speed", "m/s", SPEED_UNITS, default),
+        default=default,
+        show_default=True,
+        metavar="SPEED",
+        help=meaning,
+    )
+
+
+def speeds_option(name: str, argument: str, default: tuple[str, ...], meaning: str) -> Option:
+    """Speeds [m/s]; repeatable."""
+    shown = f"  [default: {', '.join(default)}]" if default else ""
+    return click.option(
+        name,
+        argument,
+        type=Quantity("speed", "m/s", SPEED_UNITS, "60 ft/s"),
+        multiple=True,
+        default=default,
+        metavar="SPEED",
+        help=f"{meaning} Repeatable.{shown}",
+    )
+
+
+def duration_option(default: str, meaning: str) -> Option:
+    """--duration [s]."""
+    return click.option(
+        "--duration",
+        type=Quantity("duration", "s", ("s", "min", "ms"), default),
+        default=default,
+        show_default=True,
+        metavar="TIME",
+        help=meaning,
+    )
+
+
+def set_option() -> Option:
+    """--set, parameters of instances."""
+    return click.option(
+        "--set",
+        "settings",
+        type=Assignment(tuple(BLOCK_OF), 'instance.parameter="value unit"'),
+        multiple=True,
+        metavar='INSTANCE.PARAMETER="VALUE UNIT"',
+        help="Change a parameter. Repeatable.",
+    )
+
+
+def track_option() -> Option:
+    """--track, a spectrum."""
+    return click.option(
+        "--track",
+        type=Name("track", TRACKS),
+        default="report",
+        show_default=True,
+        help="Irregularities of the track.",
+    )
+
+
+def seed_option() -> Option:
+    """--seed, a realisation of the track."""
+    return click.option(
+        "--seed", type=int, default=1, show_default=True, help="Which realisation of the track."
+    )
+
+
+def friction_option() -> Option:
+    """--friction, for a linear car."""
+    return click.option(
+        "--friction",
+        type=Name("friction", FRICTION),
+        default="stuck",
+        show_default=True,
+        help="What stands for dry friction.",
+    )
+
+
+def fmu_option(block: str) -> Option:
+    """--fmu, a block to test."""
+    return click.option(
+        "--fmu",
+        type=click.Path(path_type=Path),
+        metavar="FILE",
+        help=f"A {block} to test instead of ours.",
+    )
+
+
+def swap_option(**more: Any) -> Option:
+    """--swap, FMUs in the place of instances."""
+    return click.option(
+        "--swap",
+        "swaps",
+        type=Assignment(tuple(BLOCK_OF), "instance=path.fmu"),
+        multiple=True,
+        metavar="INSTANCE=FMU",
+        help="Put another FMU in an instance's place. Repeatable.",
+        **more,
+    )

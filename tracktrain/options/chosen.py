@@ -1,0 +1,205 @@
+"""What `run` and `export` share: the options that shape a car, and the system that is meant."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+from click.core import ParameterSource
+
+from ..car.hopper import BLOCK_OF
+from ..errors import (
+    TracktrainError,
+    choices,
+)
+from .car import (
+    car_option,
+    seed_option,
+    set_option,
+    speed_option,
+    swap_option,
+    track_option,
+)
+from .types import (
+    Assignment,
+    Quantity,
+)
+
+if TYPE_CHECKING:
+    from orchestrator import (
+        PortMap,
+        System,
+    )
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+Assigned = tuple[str, str, str]
+
+DURATION, STEP = 8.0, 1e-3
+"""Of a run of the hopper car [s]."""
+
+CAR_ONLY = ("car", "speed", "track", "seed", "initials")
+"""Options that make no sense for a system from a file."""
+
+_OPTIONS = (
+    car_option(),
+    speed_option(),
+    track_option(),
+    seed_option(),
+    click.option(
+        "--duration",
+        type=Quantity("duration", "s", ("s", "min", "ms"), "8s"),
+        metavar="TIME",
+        help="Simulated time.  [default: 8s]",
+    ),
+    click.option(
+        "--step",
+        type=Quantity("step", "s", ("ms", "s"), "1ms"),
+        metavar="TIME",
+        help="Macro step, at which the FMUs exchange values.  [default: 1ms]",
+    ),
+    set_option(),
+    click.option(
+        "--initial",
+        "initials",
+        type=Assignment(tuple(BLOCK_OF), 'instance.coordinate="value unit"'),
+        multiple=True,
+        metavar='INSTANCE.COORDINATE="VALUE UNIT"',
+        help="Displace a truck or the carbody at the start. Repeatable.",
+    ),
+    swap_option(),
+    click.option(
+        "--map",
+        "maps",
+        type=Assignment(tuple(BLOCK_OF), "instance=map.toml"),
+        multiple=True,
+        metavar="INSTANCE=FILE",
+        help="What the instance's ports are called in the FMU of --swap, with signs and units, in "
+        "TOML or as an SSP parameter map (.ssm). Repeatable.",
+    ),
+)
+
+
+def system_options(command: Command) -> Command:
+    """Add the options that shape a system and its run."""
+    for option in reversed(_OPTIONS):
+        command = option(command)
+    return command
+
+
+def chosen_car(
+    car: str,
+    speed: float,
+    track: str,
+    seed: int,
+    duration: float | None,
+    step: float | None,
+    settings: Sequence[Assigned],
+    initials: Sequence[Assigned],
+    swaps: Sequence[Assigned],
+    maps: Sequence[Assigned],
+) -> System:
+    """The hopper car that the options mean, with its experiment."""
+    from orchestrator import Experiment
+
+    from ..car import (
+        changes,
+        hopper,
+    )
+
+    system = hopper.hopper_car(car, speed, track, seed)
+    notes = []
+    port_maps = _port_maps(maps, swaps)
+    for instance, _, path in swaps:
+        system, said = changes.swapped(system, instance, Path(path), port_maps.get(instance))
+        notes += said
+    for instance, coordinate, value in initials:
+        system = changes.displaced(system, instance, coordinate, value)
+    for instance, name, value in settings:
+        system = changes.assigned(system, instance, name, value)
+    system = replace(system, notes=tuple(notes), experiment=Experiment(0.0, DURATION, STEP))
+    return _timed(system, duration, step)
+
+
+def chosen_file(
+    path: Path,
+    variant: str | None,
+    duration: float | None,
+    step: float | None,
+    settings: Sequence[Assigned],
+    swaps: Sequence[Assigned],
+    maps: Sequence[Assigned],
+    unpacked: Path | None = None,
+) -> System:
+    """The system of an .ssp or .ssd file, changed as the options say.
+
+    unpacked: folder for the FMUs of an archive, where these are needed later.
+    """
+    from orchestrator.ssp import read_ssp
+
+    from ..car import changes
+
+    system = read_ssp(path, variant, folder=unpacked)
+    for instance, name, value in settings:
+        system = changes.assigned(_having(system, instance), instance, name, value)
+    port_maps = _port_maps(maps, swaps)
+    for instance, _, fmu in swaps:
+        system = _having(system, instance)
+        ports, _ = changes.seen(system, instance, Path(fmu), port_maps.get(instance))
+        system = system.with_fmu(instance, Path(fmu), ports)
+        if ports is not None and ports.rates:
+            note = f"{fmu} as {instance}: {changes.differentiated(ports)}"
+            system = replace(system, notes=(*system.notes, note))
+    if duration is None and system.experiment.stop is None:
+        raise TracktrainError(f"'{path}' does not say how long to run; give --duration")
+    return _timed(system, duration, step)
+
+
+def refuse_options(ctx: click.Context, names: Iterable[str], reason: str) -> None:
+    """Raise TracktrainError if one of the options, by name of the argument, was given."""
+    given = [
+        param.opts[0]
+        for param in ctx.command.params
+        if param.name in names
+        and ctx.get_parameter_source(param.name) is ParameterSource.COMMANDLINE
+    ]
+    if given:
+        raise TracktrainError(f"{reason}; leave out {' and '.join(given)}")
+
+
+def _port_maps(maps: Sequence[Assigned], swaps: Sequence[Assigned]) -> dict[str, PortMap]:
+    """The maps by instance; TracktrainError for one without an FMU to look into."""
+    from orchestrator import read_port_map
+
+    replaced = [instance for instance, _, _ in swaps]
+    for instance, _, path in maps:
+        if instance not in replaced:
+            raise TracktrainError(
+                f"the map '{path}' is for {instance}, which no --swap replaces; add "
+                f"--swap {instance}=FMU"
+            )
+    return {instance: read_port_map(path) for instance, _, path in maps}
+
+
+def _timed(system: System, duration: float | None, step: float | None) -> System:
+    """The system with the duration and the step [s] that were given in its experiment."""
+    from orchestrator import Experiment
+
+    start = system.experiment.start or 0.0
+    stop = start + duration if duration is not None else system.experiment.stop
+    size = next(s for s in (step, system.experiment.step, STEP) if s is not None)
+    if stop is not None and size > stop - start:
+        raise TracktrainError(
+            f"a step of {size:g} s is longer than the run of {stop - start:g} s; "
+            "give a shorter --step or a longer --duration"
+        )
+    return replace(system, experiment=Experiment(start, stop, size))
+
+
+def _having(system: System, instance: str) -> System:
+    if instance not in system.components:
+        known = choices(instance, system.components)
+        raise TracktrainError(f"there is no instance '{instance}'; {known}")
+    return system

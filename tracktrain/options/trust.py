@@ -1,0 +1,74 @@
+"""Options of `tracktrain run` about how far its answer can be trusted."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .run import Command
+from .types import Quantity
+
+if TYPE_CHECKING:
+    from orchestrator import System
+
+_OPTIONS = (
+    click.option(
+        "--self-test/--no-self-test",
+        default=True,
+        help="Whether the FMUs are tested first, once each and then remembered, and the largest "
+        "stable step is predicted.  [default: they are]",
+    ),
+    click.option(
+        "--verify",
+        is_flag=True,
+        help="Run it again with half and a quarter of the step, and as one system, to say how "
+        "large the error is.",
+    ),
+    click.option(
+        "--verify-output",
+        multiple=True,
+        metavar="PATTERN",
+        help="Judge the outputs whose names match. Repeatable.  [default: those of the table, or "
+        "all that drive an input]",
+    ),
+    click.option(
+        "--twin",
+        type=Quantity("time", "s", ("s", "ms", "min"), "2s"),
+        default="1s",
+        show_default=True,
+        metavar="TIME",
+        help="With --verify: how much of the run is compared with the system integrated as one, "
+        "which is slow; 0s for nothing.",
+    ),
+)
+
+
+def trust_options(command: Command) -> Command:
+    """Add the options to a command, which gets them as keyword arguments."""
+    for option in reversed(_OPTIONS):
+        command = option(command)
+    return command
+
+
+def trusted(options: dict[str, Any]) -> dict[str, Any]:
+    """Take what the options above say out of a command's."""
+    names = ("self_test", "verify", "verify_output", "twin")
+    return {name: options.pop(name) for name in names}
+
+
+def shown(system: System) -> list[str] | None:
+    """Outputs of the table that a run ends with, which the system has; None without any."""
+    from orchestrator.plan.plan import component_description
+
+    from ..cli.summary import ROWS
+
+    found = []
+    for row in (row for rows in ROWS.values() for row in rows.values()):
+        instance, _, name = row[0].partition(".")
+        component = system.components.get(instance)
+        if component is not None:
+            variable = component_description(instance, component).find(name)
+            if variable is not None and variable.causality == "output":
+                found.append(row[0])
+    return found or None

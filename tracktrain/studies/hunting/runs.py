@@ -1,0 +1,223 @@
+"""Runs of the hunting study: a driver who changes the speed when the motion has settled."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...car.changes import displaced
+from ...car.hopper import hopper_car
+from ...errors import TracktrainError
+from ...scales import FOOT
+from .cycle import AXLE
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from orchestrator import (
+        Mock,
+        Session,
+        System,
+    )
+
+WINDOW = 5.0
+"""Time over which an amplitude is taken, half the distance between the extremes [s]."""
+
+SETTLED = 2e-3
+"""Relative change of the amplitude from one window to the next below which it has settled."""
+
+LARGE = 2e-3
+"""Amplitude from which the car hunts [m], as field tests have it: 1 to 2 mm."""
+
+SMALL = 5e-5
+"""Amplitude below which a motion that falls has died [m]; it is the disturbance that lets the car
+leave an unstable equilibrium at the next speed."""
+
+RAMP = 5 * FOOT
+"""Change of the speed between two plateaus [m/s per s]."""
+
+EVERY = 5
+"""Macro steps between two rows that are kept."""
+
+
+ARRIVED = "all speeds were held"
+"""With which the driver ends the run."""
+
+
+@dataclass(frozen=True)
+class Plateau:
+    """A speed [m/s] that was held: amplitude [m] by the end of each window, frequency [Hz]."""
+
+    speed: float
+    amplitudes: np.ndarray
+    frequency: float
+
+    @property
+    def amplitude(self) -> float:
+        return float(self.amplitudes[-1])
+
+    @property
+    def settled(self) -> bool:
+        return len(self.amplitudes) > 1 and has_settled(*self.amplitudes[-2:])
+
+    @property
+    def hunts(self) -> bool:
+        """Whether the motion has settled to a large limit cycle."""
+        return self.settled and self.amplitude > LARGE
+
+    def amplitude_after(self, time: float) -> float:
+        """Amplitude [m] when so much time [s] was watched; the last one if it settled before."""
+        place = min(max(int(time / WINDOW), 1), len(self.amplitudes)) - 1
+        return float(self.amplitudes[place])
+
+
+def has_settled(before: float, now: float) -> bool:
+    """Whether an amplitude [m] has died, or is large and stays what it is."""
+    died = now < SMALL and now <= before
+    return died or (now > LARGE and abs(now - before) < SETTLED * now)
+
+
+def on_perfect_track(car: str, speed: float, initial_yaw: float) -> System:
+    """The car at a speed [m/s], its front truck yawed by an angle [rad]."""
+    system = hopper_car(car, speed, "perfect")
+    return displaced(system, "truck_front", "yaw", f"{float(initial_yaw)!r} rad")
+
+
+def driven(
+    system: System, speeds: Sequence[float], longest: float, session: Session
+) -> list[Plateau]:
+    """Hold one speed [m/s] after the other until the motion has settled, at most `longest` [s].
+
+    The state is carried from plateau to plateau.
+    """
+    from orchestrator import (
+        Component,
+        Connection,
+        simulate,
+    )
+
+    track = system.components["track"]
+    free = {name: value for name, value in track.parameters.items() if name != "speed"}
+    driver = Component(_driver(speeds, longest))
+    car = replace(
+        system,
+        components={
+            **system.components,
+            "track": replace(track, parameters=free),
+            "driver": driver,
+        },
+        connections=(
+            *system.connections,
+            Connection("driver.speed", "track.speed"),
+            Connection(AXLE, "driver.y"),
+        ),
+    )
+    way = float(np.abs(np.diff(speeds)).sum()) / RAMP
+    duration = len(speeds) * (longest + 2 * WINDOW) + way
+    with tempfile.TemporaryDirectory() as folder:
+        run = simulate(
+            car,
+            duration=duration,
+            record=[AXLE, "driver.plateau"],
+            every=EVERY,
+            out=folder,
+            session=session,
+        )
+        if not run.completed and ARRIVED not in (run.message or ""):
+            raise TracktrainError(f"the run through {len(speeds)} speeds stopped: {run.message}")
+        with run.dataset as dataset:
+            return list(_plateaus(dataset, speeds))
+
+
+def _plateaus(dataset: xr.Dataset, speeds: Sequence[float]) -> Iterator[Plateau]:
+    from orchestrator.results.metrics import dominant_frequency
+
+    place = dataset["driver.plateau"].values
+    time = dataset["time"].values
+    for number, speed in enumerate(speeds):
+        held = dataset[AXLE][place == number]
+        size = round(WINDOW / (time[1] - time[0]))
+        windows = held.values[: len(held) // size * size].reshape(-1, size)
+        yield Plateau(speed, np.ptp(windows, axis=1) / 2, dominant_frequency(held[-2 * size :]))
+
+
+class _Drive:
+    """Where the driver is: the plateau, the speed [m/s], and the extremes of the window."""
+
+    def __init__(self, speeds: Sequence[float], longest: float) -> None:
+        self.speeds, self.longest = speeds, longest
+        self.place, self.speed = 0, float(speeds[0])
+        self.held = self.first = self.before = 0.0
+        self.low, self.high = np.inf, -np.inf
+
+    @property
+    def plateau(self) -> int:
+        """Number of the plateau; -1 on the way to it."""
+        return self.place if self.speed == self.speeds[self.place] else -1
+
+    def move(self, y: float, step: float) -> None:
+        if self.plateau < 0:
+            way = self.speeds[self.place] - self.speed
+            self.speed += float(np.clip(way, -RAMP * step, RAMP * step))
+            if abs(way) <= RAMP * step:
+                self.speed = self.speeds[self.place]
+            return
+        self.low, self.high = min(self.low, y), max(self.high, y)
+        self.held += step
+        if self.held - self.first < WINDOW - step / 2:
+            return
+        amplitude = (self.high - self.low) / 2
+        done = self.first > 0.0 and has_settled(self.before, amplitude)
+        self.before, self.first = amplitude, self.held
+        self.low, self.high = np.inf, -np.inf
+        if done or self.held >= self.longest - step / 2:
+            if self.place + 1 == len(self.speeds):
+                raise StopIteration(ARRIVED)
+            self.place, self.held, self.first = self.place + 1, 0.0, 0.0
+
+
+def _driver(speeds: Sequence[float], longest: float) -> Mock:
+    from orchestrator import Mock
+
+    def step(
+        x: _Drive, u: Mapping[str, float], rate: object, p: object, time: float, step: float
+    ) -> _Drive:
+        x.move(u["y"], step)
+        return x
+
+    return Mock(
+        outputs={"speed": "m/s", "plateau": "1"},
+        inputs={"y": "m"},
+        initial=lambda p: _Drive(speeds, longest),
+        step=step,
+        output=lambda x, u, p: {"speed": x.speed, "plateau": float(x.plateau)},
+    )
+
+
+def bisected(
+    system: System, low: float, high: float, watched: float, resolution: float, session: Session
+) -> list[Plateau]:
+    """Speeds [m/s] at which the limit cycle of `high` was brought to, until the lowest that keeps
+    it is known to `resolution`; empty where the car does not hunt at `high`.
+
+    Each is watched until it has settled, at most `watched` [s].
+    """
+    found: list[Plateau] = []
+    bottom, top, tried = low, high, low
+    while tried == low or top - bottom > resolution:
+        above, now = driven(system, [high, tried], watched, session)
+        if not above.hunts:
+            return []
+        found.append(now)
+        if now.hunts:
+            top = tried
+        else:
+            bottom = tried
+        if top == low:
+            break
+        tried = (bottom + top) / 2
+    return found

@@ -1,0 +1,293 @@
+"""Nonlinear hunting on perfect track: transients, limit cycles against speed, critical speed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import click
+import numpy as np
+
+from ...cli.study import study_command
+from ...options.car import (
+    REPORT_SPEEDS,
+    SPEED_UNITS,
+    car_option,
+    duration_option,
+    speeds_option,
+)
+from ...options.types import Quantity
+from ...scales import FOOT
+from ...terminal import Progress
+from ..outcome import Outcome
+from ..ringdown import (
+    Oscillation,
+    oscillation,
+)
+from .cycle import (
+    AXLE,
+    RECORD,
+    Cycle,
+    limit_cycle,
+)
+from .pictures import (
+    coordinates_figure,
+    elements_figure,
+    staircase_figure,
+)
+from .runs import (
+    LARGE,
+    Plateau,
+    bisected,
+    driven,
+    on_perfect_track,
+)
+from .tables import (
+    critical_table,
+    cycles_table,
+    elements_table,
+    energy_table,
+    staircase_table,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from orchestrator import Session
+
+SPEEDS = (60 * FOOT, 80 * FOOT, 100 * FOOT)
+"""The report's three speeds [m/s]."""
+
+INITIAL_YAW = np.deg2rad(0.005)
+"""Of the front truck, from which the report starts [rad]."""
+
+LINEAR = 4e-3
+"""Motion of the leading axle up to which friction sticks and no flange touches [m]."""
+
+BETWEEN = (40 * FOOT, 120 * FOOT)
+"""Speeds of the staircase [m/s]."""
+
+STAIR = 5 * FOOT
+"""Height of a stair [m/s]."""
+
+LONGEST = 150.0
+"""Time that a speed is held at most [s]."""
+
+RESOLUTION = 0.1 * FOOT
+"""Width of the bracket around the critical speed [m/s]."""
+
+EVERY = 2
+"""Macro steps between two rows of a transient that are kept."""
+
+
+@dataclass(frozen=True)
+class Transient:
+    """A run from the initial yaw at one speed [m/s], its small motion and its limit cycle."""
+
+    speed: float
+    dataset: xr.Dataset
+    growth: Oscillation
+    exact: float
+    cycle: Cycle | None
+
+
+def hunting(
+    car: str = "loaded",
+    speeds: Sequence[float] = SPEEDS,
+    duration: float = 80.0,
+    initial_yaw: float = INITIAL_YAW,
+    staircase: tuple[float, float] = BETWEEN,
+    longest: float = LONGEST,
+    transients_only: bool = False,
+    progress: Progress | None = None,
+) -> Outcome:
+    """Hunting from a small yaw of the front truck, and its limit cycle against speed.
+
+    Report Figures 7-1 to 7-12 at each of `speeds` [m/s], runs of `duration` [s]. The staircase of
+    speeds [m/s] is climbed and descended, each held until the motion has settled, at most `longest`
+    [s]; the state is carried along. The nonlinear critical speed is the lowest that keeps the limit
+    cycle of the staircase's upper end. transients_only: leave both out.
+    """
+    from orchestrator import Session
+
+    values = _values(car)
+    climbed = None if transients_only else staircase
+    share = 0.3 if climbed else 1.0
+    transients: list[Transient] = []
+    plateaus: list[Plateau] = []
+    tried: list[Plateau] = []
+    with Session() as session:
+        for number, speed in enumerate(speeds, start=1):
+            transients.append(_transient(car, speed, duration, initial_yaw, values, session))
+            if progress:
+                progress(share * number / len(speeds))
+        if climbed:
+            low, high = climbed
+            steps = np.linspace(low, high, round((high - low) / STAIR) + 1)
+            system = on_perfect_track(car, low, initial_yaw)
+            plateaus = driven(system, [*steps, *steps[-2::-1]], longest, session)
+            if progress:
+                progress(0.7)
+            system = on_perfect_track(car, high, initial_yaw)
+            tried = bisected(system, low, high, longest, RESOLUTION, session)
+    tables = {
+        "limit_cycles": cycles_table(transients),
+        "elements": elements_table(transients),
+        "energy": energy_table(transients),
+    }
+    pictures = {
+        f"figures_7_1_to_7_12_{t.speed / FOOT:.0f}_fps": coordinates_figure(t.dataset)
+        for t in transients
+    }
+    pictures["elements"] = elements_figure(transients)
+    critical = _linear_critical_speeds(car, climbed) if climbed else []
+    if climbed:
+        tables |= {
+            "staircase": staircase_table(plateaus),
+            "critical_speed": critical_table(tried, critical, longest),
+        }
+        pictures["limit_cycle_against_speed"] = staircase_figure(plateaus, tried, critical)
+    return Outcome(
+        title=f"Hunting of the {car} car from {np.rad2deg(initial_yaw):.3g} degree of yaw",
+        dataset=_dataset(transients, plateaus).assign_attrs(car=car, initial_yaw=initial_yaw),
+        tables=tables,
+        pictures=pictures,
+        notes=_notes(transients, plateaus, tried, climbed),
+    )
+
+
+command = study_command(
+    "hunting",
+    car_option(),
+    speeds_option("--speed", "speeds", REPORT_SPEEDS, "Speed of a transient."),
+    duration_option("80s", "Simulated time of each transient."),
+    click.option(
+        "--yaw",
+        "initial_yaw",
+        type=Quantity("yaw", "rad", ("deg", "rad", "mrad"), "0.005 deg"),
+        default="0.005 deg",
+        show_default=True,
+        metavar="ANGLE",
+        help="Yaw of the front truck at the start.",
+    ),
+    click.option(
+        "--staircase",
+        type=Quantity("speed", "m/s", SPEED_UNITS, "60 ft/s"),
+        nargs=2,
+        default=("40 ft/s", "120 ft/s"),
+        show_default=True,
+        metavar="LOW HIGH",
+        help="Speeds between which the limit cycle is followed up and down.",
+    ),
+    click.option(
+        "--no-staircase",
+        "transients_only",
+        is_flag=True,
+        help="Transients only.",
+    ),
+    click.option(
+        "--longest",
+        type=Quantity("time", "s", ("s", "min"), "150s"),
+        default=f"{LONGEST:g}s",
+        show_default=True,
+        metavar="TIME",
+        help="Time that a speed of the staircase is held at most, if the motion does not settle.",
+    ),
+    epilog="""\b
+Examples:
+  tracktrain study hunting
+  tracktrain study hunting --car empty --staircase "60 ft/s" "140 ft/s"
+  tracktrain study hunting --speed "70 mph" --duration 30s --no-staircase""",
+)(hunting)
+
+
+def _values(car: str) -> Mapping[str, Mapping[str, float]]:
+    from fmus import BLOCKS
+    from fmus.describe.parameters import parameter_set
+
+    given = parameter_set(car)
+    return {name: given.values(BLOCKS[name]()) for name in ("carbody", "truck", "wheelrail")}
+
+
+def _transient(
+    car: str,
+    speed: float,
+    duration: float,
+    initial_yaw: float,
+    values: Mapping[str, Mapping[str, float]],
+    session: Session,
+) -> Transient:
+    from orchestrator import simulate
+
+    from ...car.linear import LinearCar
+    from ...errors import TracktrainError
+
+    system = on_perfect_track(car, speed, initial_yaw)
+    run = simulate(system, duration=duration, record=RECORD, every=EVERY, session=session)
+    if not run.completed:
+        raise TracktrainError(f"the run at {speed:g} m/s stopped: {run.message}")
+    y = run.dataset[AXLE].values
+    large = np.flatnonzero(np.abs(y) > LINEAR)
+    end = int(large[0]) if large.size else len(y)
+    late = slice(end - end // 2, end)
+    growth = oscillation(run.time[late], y[late] / float(np.abs(y[late]).max()))
+    half = round(duration / 4 / (run.time[1] - run.time[0]))
+    kept = [np.ptp(part) / 2 for part in (y[-2 * half : -half], y[-half:])]
+    steady = min(kept) > LARGE / 10 and abs(kept[1] / kept[0] - 1) < 0.02
+    cycle = limit_cycle(run.dataset, values) if steady else None
+    return Transient(speed, run.dataset, growth, LinearCar(car).growth(speed), cycle)
+
+
+def _linear_critical_speeds(car: str, between: tuple[float, float]) -> list[float]:
+    from ...car.linear import LinearCar
+    from ..stability import critical_speeds
+
+    return [c[0] for c in critical_speeds(LinearCar(car), np.arange(*between, 4 * FOOT))]
+
+
+def _dataset(transients: Sequence[Transient], plateaus: Sequence[Plateau]) -> xr.Dataset:
+    """All histories over speed and time, and the staircase in its order."""
+    import xarray as xr
+
+    speed = xr.DataArray([t.speed for t in transients], dims="speed", attrs={"units": "m/s"})
+    data = xr.concat([t.dataset for t in transients], dim=speed.rename("speed"))
+    data.attrs.clear()
+    found = {
+        "staircase.speed": ("m/s", [p.speed for p in plateaus]),
+        "staircase.amplitude": ("m", [p.amplitude for p in plateaus]),
+        "staircase.frequency": ("Hz", [p.frequency for p in plateaus]),
+        "staircase.settled": ("1", [float(p.settled) for p in plateaus]),
+    }
+    stairs = {
+        name: (("stair",), np.array(values), {"units": unit})
+        for name, (unit, values) in found.items()
+    }
+    return data.assign(stairs if plateaus else {})
+
+
+def _notes(
+    transients: Sequence[Transient],
+    plateaus: Sequence[Plateau],
+    tried: Sequence[Plateau],
+    staircase: tuple[float, float] | None,
+) -> list[str]:
+    notes = [
+        f"at {t.speed / FOOT:.0f} ft/s the motion has not settled to a limit cycle"
+        for t in transients
+        if t.cycle is None
+    ]
+    open_ended = sorted({round(p.speed / FOOT, 1) for p in plateaus if not p.settled})
+    if open_ended:
+        where = ", ".join(f"{speed:g}" for speed in open_ended)
+        notes.append(f"not settled when the driver went on (hollow points): {where} ft/s")
+    if staircase and not tried:
+        notes.append(
+            f"the car does not hunt at {staircase[1] / FOOT:.0f} ft/s, the staircase's upper end"
+        )
+    if staircase:
+        notes.append(
+            "near the critical speed growth and decay are slow: the longer a speed is watched, the "
+            "more of what looks like a limit cycle dies"
+        )
+    return notes

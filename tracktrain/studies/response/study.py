@@ -1,0 +1,318 @@
+"""The car's response to irregular track: histories, spectra, and envelopes over realisations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import click
+import numpy as np
+
+from ...car.hopper import hopper_car
+from ...cli.study import study_command
+from ...options.car import (
+    REPORT_SPEEDS,
+    car_option,
+    duration_option,
+    set_option,
+    speeds_option,
+    track_option,
+)
+from ...options.chosen import Assigned
+from ...scales import (
+    ACCELERATION,
+    ANGLE,
+    DISPLACEMENT,
+    FOOT,
+    FORCE,
+    MILE_PER_HOUR,
+    Scale,
+)
+from ...terminal import Progress
+from ..outcome import Outcome
+from .pictures import (
+    envelope_figure,
+    history_figures,
+    spectra_figure,
+    transfer_figure,
+)
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from orchestrator import (
+        Run,
+        Session,
+        System,
+    )
+
+SPEEDS = (60 * FOOT, 80 * FOOT, 100 * FOOT)
+"""The report's three speeds [m/s]."""
+
+SEEDS = 20
+"""Realisations of the track that envelopes are made of."""
+
+SEGMENT = 4.0
+"""Length of the segments that spectra are averaged over [s]; shorter where the run is."""
+
+HIGHEST = 25.0
+"""Frequency up to which spectra are kept [Hz]."""
+
+SHARES = (0.05, 0.5, 0.95)
+"""Shares of the realisations below the envelopes' lines."""
+
+KINDS = ("rms", "peak")
+"""Numbers that envelopes are made of."""
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Response:
+    """What is looked at: a variable of the run, what it is called and its units."""
+
+    variable: str
+    label: str
+    scale: Scale
+    unit: str
+
+
+RESPONSES: Mapping[str, Response] = {
+    "force": Response("wheelset_11.force_y", "lateral force", FORCE, "N"),
+    "displacement": Response("wheelset_11.y_rel", "displacement to rail", DISPLACEMENT, "m"),
+    "lateral_acceleration": Response("carbody.cg.ay", "lateral acceleration", ACCELERATION, "m/s2"),
+    "vertical_acceleration": Response(
+        "carbody.cg.az", "vertical acceleration", ACCELERATION, "m/s2"
+    ),
+    "truck_yaw": Response("truck_front.q[2]", "truck yaw", ANGLE, "rad"),
+}
+"""Of the leading axle, of the carbody at its centre of gravity, of the front truck."""
+
+RAILS = ("track.axle[1].rail_y_left", "track.axle[1].rail_y_right")
+
+
+def response(
+    car: str = "loaded",
+    track: str = "report",
+    speeds: Sequence[float] = SPEEDS,
+    duration: float = 8.0,
+    seeds: int = SEEDS,
+    settings: Sequence[Assigned] = (),
+    progress: Progress | None = None,
+) -> Outcome:
+    """Response of the leading axle and the carbody to irregular track, with spectra.
+
+    Report Figures 6-1 to 6-6, of the track's realisation 1, and what the report asks for beside
+    them: spectra, coherence and transfer function with the alignment under the leading axle.
+    Envelopes are over the realisations 1 to `seeds`. speeds [m/s], duration [s] of each run;
+    settings: changed parameters, as ("track", "report_rms", "0.05 in").
+    """
+    from orchestrator import Session
+
+    speeds = sorted(set(speeds))
+    drawn: list[xr.Dataset] = []
+    found: list[list[Spectra]] = []
+    with Session() as session:
+        for number, speed in enumerate(speeds):
+            found.append([])
+            for seed in range(1, seeds + 1):
+                system = _car(hopper_car(car, speed, track, seed), settings)
+                run = _run(system, duration, session)
+                found[-1].append(_spectra(run))
+                if seed == 1:
+                    drawn.append(run.dataset)
+                if progress:
+                    progress((number * seeds + seed) / (len(speeds) * seeds))
+    data = _dataset(speeds, drawn, found)
+    tables = {name: _table(data, name) for name in ("force", "displacement")}
+    return Outcome(
+        title=f"Response to the track {track}, {car} car, {duration:g} s",
+        dataset=data.assign_attrs(car=car, track=track, duration=duration),
+        tables={**tables, **{f"{kind}_envelope": _envelope(data, kind) for kind in KINDS}},
+        pictures={
+            **history_figures(drawn, speeds, SPEEDS),
+            "spectra": spectra_figure(data, RESPONSES, SHARES),
+            "transfer_functions": transfer_figure(data, RESPONSES),
+            "envelopes": envelope_figure(data, RESPONSES, SHARES),
+        },
+        notes=_notes(data, duration),
+    )
+
+
+command = study_command(
+    "response",
+    car_option(),
+    track_option(),
+    speeds_option("--speed", "speeds", REPORT_SPEEDS, "Speed of the train."),
+    duration_option("8s", "Simulated time of each run."),
+    click.option(
+        "--seeds",
+        type=click.IntRange(min=1),
+        default=SEEDS,
+        show_default=True,
+        help="Realisations of the track for the envelopes; the first is drawn.",
+    ),
+    set_option(),
+    epilog="""\b
+Examples:
+  tracktrain study response
+  tracktrain study response --car empty --track fra4 --speed "50 mph" --seeds 50
+  tracktrain study response --set track.report_rms="0.05 in" --duration 60s""",
+)(response)
+
+
+@dataclass(frozen=True)
+class Spectra:
+    """Of one run: rms and peak, one-sided densities, and cross densities with the alignment.
+
+    Arrays are by response; the last of the densities is the alignment's own [m^2/Hz].
+    """
+
+    frequency: Array
+    rms: Array
+    peak: Array
+    density: Array
+    cross: Array
+    segments: int
+
+
+def _car(system: System, settings: Sequence[Assigned]) -> System:
+    from ...car.changes import assigned
+
+    for instance, name, value in settings:
+        system = assigned(system, instance, name, value)
+    return system
+
+
+def _run(system: System, duration: float, session: Session) -> Run:
+    from orchestrator import simulate
+
+    from ...errors import TracktrainError
+
+    wanted = [*(r.variable for r in RESPONSES.values()), *RAILS, "track.speed_out"]
+    run = simulate(system, duration=duration, record=wanted, session=session)
+    if not run.completed:
+        given = system.components["track"].parameters
+        raise TracktrainError(
+            f"the run at {given['speed']:g} m/s with seed {given['seed']} stopped: {run.message}"
+        )
+    return run
+
+
+def _spectra(run: Run) -> Spectra:
+    """Welch's estimates with half overlapping Hann windows."""
+    from scipy import signal
+
+    from orchestrator.results.metrics import (
+        peak,
+        rms,
+    )
+
+    responses = [run.dataset[r.variable] for r in RESPONSES.values()]
+    alignment = sum(run.dataset[name].values for name in RAILS) / 2
+    rate = 1 / float(run.time[1] - run.time[0])
+    size = min(round(SEGMENT * rate), len(run.time) // 2)
+    how = {"fs": rate, "nperseg": size}
+    values = np.array([*(r.values for r in responses), alignment])
+    frequency, density = signal.welch(values, **how)
+    _, cross = signal.csd(alignment, values[:-1], **how)
+    kept = frequency <= HIGHEST
+    return Spectra(
+        frequency[kept],
+        np.array([rms(r) for r in responses]),
+        np.array([peak(r) for r in responses]),
+        density[:, kept],
+        cross[:, kept],
+        segments=(len(run.time) - size // 2) // (size - size // 2),
+    )
+
+
+def _dataset(
+    speeds: Sequence[float], drawn: Sequence[xr.Dataset], found: Sequence[Sequence[Spectra]]
+) -> xr.Dataset:
+    """Histories of the first realisation, numbers and densities of all, transfer functions."""
+    import xarray as xr
+
+    first = found[0][0]
+    by_seed = ("speed", "seed")
+    by_frequency = (*by_seed, "frequency")
+    averaged = ("speed", "frequency")
+    density = np.array([[s.density for s in line] for line in found])
+    cross = np.array([[s.cross for s in line] for line in found]).mean(axis=1)
+    mean = density.mean(axis=1)
+    own = mean[:, -1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        gain = np.abs(cross) / own[:, None]
+        coherence = np.abs(cross) ** 2 / (mean[:, :-1] * own[:, None])
+    data: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {
+        "alignment_density": (by_frequency, density[:, :, -1], {"units": "m2/Hz"})
+    }
+    for n, (name, r) in enumerate(RESPONSES.items()):
+        history = np.array([d[r.variable].values for d in drawn])
+        values = {
+            kind: np.array([[getattr(s, kind)[n] for s in line] for line in found])
+            for kind in KINDS
+        }
+        data |= {
+            name: (("speed", "time"), history, {"units": r.unit}),
+            f"{name}_rms": (by_seed, values["rms"], {"units": r.unit}),
+            f"{name}_peak": (by_seed, values["peak"], {"units": r.unit}),
+            f"{name}_density": (by_frequency, density[:, :, n], {"units": f"({r.unit})2/Hz"}),
+            f"{name}_coherence": (averaged, coherence[:, n], {"units": "1"}),
+            f"{name}_gain": (averaged, gain[:, n], {"units": f"{r.unit}/m"}),
+        }
+    coordinates = {
+        "speed": ("speed", np.array(speeds), {"units": "m/s"}),
+        "seed": ("seed", np.arange(1, len(found[0]) + 1)),
+        "time": ("time", drawn[0]["time"].values, {"units": "s"}),
+        "frequency": ("frequency", first.frequency, {"units": "Hz"}),
+    }
+    return xr.Dataset(data, coordinates, {"segments": first.segments * len(found[0])})
+
+
+def _table(data: xr.Dataset, name: str) -> pd.DataFrame:
+    """Rms and peak of the first realisation, in both systems of units."""
+    import pandas as pd
+
+    from orchestrator.results.metrics import dominant_frequency
+
+    scale = RESPONSES[name].scale
+    rows = []
+    for speed in data.speed.values:
+        one = data.sel(speed=speed)
+        row = {"speed [ft/s]": speed / FOOT, "speed [mph]": speed / MILE_PER_HOUR}
+        for kind in KINDS:
+            value = float(one[f"{name}_{kind}"].sel(seed=1))
+            row[f"{kind} [{scale.unit}]"] = value * scale.factor
+            row[f"{kind} [{scale.report_unit}]"] = value * scale.report_factor
+        rows.append({**row, "dominant frequency [Hz]": dominant_frequency(one[name])})
+    return pd.DataFrame(rows).set_index("speed [ft/s]")
+
+
+def _envelope(data: xr.Dataset, kind: str) -> pd.DataFrame:
+    """Rms or peak of all realisations: the shares of `SHARES`."""
+    import pandas as pd
+
+    rows = []
+    for name, r in RESPONSES.items():
+        for speed in data.speed.values:
+            values = data[f"{name}_{kind}"].sel(speed=speed).values * r.scale.factor
+            row = {"response": f"{r.label} [{r.scale.unit}]", "speed [ft/s]": speed / FOOT}
+            levels = np.quantile(values, SHARES)
+            rows.append(row | dict(zip((f"{s:.0%}" for s in SHARES), levels, strict=True)))
+    return pd.DataFrame(rows).set_index(["response", "speed [ft/s]"])
+
+
+def _notes(data: xr.Dataset, duration: float) -> list[str]:
+    segments = int(data.attrs["segments"])
+    notes = [
+        f"coherence and transfer function are averages over {segments} segments, half overlapping: "
+        f"of unrelated signals the coherence would be about {min(1.0, 1.5 / segments):.2g}",
+        "the other axles feel the same track later, so that the transfer function is that of the "
+        "whole car on its track, with the alignment under the leading axle as the reference",
+    ]
+    if float(np.abs(data["vertical_acceleration"]).max()) < 1e-9:
+        notes.append("this track moves nothing vertically: it has no profile and no cross-level")
+    return notes
