@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..cli.study import study_command
 from ..options.car import (
     car_option,
     fmu_option,
 )
 from ..terminal import Progress
+from .command import study_command
 from .outcome import Outcome
 from .rig import (
     Signals,

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from ..cli.study import study_command
 from ..errors import (
     TracktrainError,
     choices,
 )
+from .command import study_command
 from .outcome import Outcome
 
 if TYPE_CHECKING:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..cli.study import study_command
 from ..options.car import (
     car_option,
     friction_option,
@@ -18,6 +17,7 @@ from ..scales import (
     FOOT,
     MILE_PER_HOUR,
 )
+from .command import study_command
 from .outcome import Outcome
 from .stability import (
     SPEEDS,

@@ -15,7 +15,6 @@ from ..car.hopper import (
     BLOCK_OF,
     hopper_car,
 )
-from ..cli.study import study_command
 from ..options.car import (
     car_option,
     friction_option,
@@ -28,6 +27,7 @@ from ..scales import (
     MILE_PER_HOUR,
 )
 from ..terminal import Progress
+from .command import study_command
 from .outcome import Outcome
 from .ringdown import (
     Oscillation,

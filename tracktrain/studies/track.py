@@ -8,7 +8,6 @@ import click
 import matplotlib as mpl
 import numpy as np
 
-from ..cli.study import study_command
 from ..options.car import (
     seed_option,
     track_option,
@@ -25,6 +24,7 @@ from ..scales import (
     DISPLACEMENT,
     FOOT,
 )
+from .command import study_command
 from .outcome import Outcome
 
 if TYPE_CHECKING:

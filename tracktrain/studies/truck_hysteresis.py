@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from ..cli.study import study_command
 from ..options.car import (
     car_option,
     fmu_option,
@@ -23,6 +22,7 @@ from ..scales import (
     POUND_FORCE,
 )
 from ..terminal import Progress
+from .command import study_command
 from .outcome import Outcome
 from .rig import (
     Signals,

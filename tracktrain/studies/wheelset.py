@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from ..cli.study import study_command
 from ..options.car import (
     car_option,
     fmu_option,
 )
 from ..scales import FOOT
+from .command import study_command
 from .outcome import Outcome
 from .rig import (
     completed,

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from ...cli.study import study_command
 from ...options.car import (
     REPORT_SPEEDS,
     SPEED_UNITS,
@@ -20,6 +19,7 @@ from ...options.car import (
 from ...options.types import Quantity
 from ...scales import FOOT
 from ...terminal import Progress
+from ..command import study_command
 from ..outcome import Outcome
 from ..ringdown import (
     Oscillation,

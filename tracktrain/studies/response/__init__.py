@@ -1,1 +1,7 @@
 """The response study."""
+
+from __future__ import annotations
+
+from .study import command, response
+
+__all__ = ["command", "response"]

@@ -10,7 +10,6 @@ import click
 import numpy as np
 
 from ...car.hopper import hopper_car
-from ...cli.study import study_command
 from ...options.car import (
     REPORT_SPEEDS,
     car_option,
@@ -30,6 +29,7 @@ from ...scales import (
     Scale,
 )
 from ...terminal import Progress
+from ..command import study_command
 from ..outcome import Outcome
 from .pictures import (
     envelope_figure,
