@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -97,6 +97,42 @@ class System:
         component = self._component(instance)
         changed = replace(component, parameters={**component.parameters, variable: value})
         return replace(self, components={**self.components, instance: changed})
+
+    def prefixed(self, prefix: str) -> System:
+        """The same system, nested under a name: `truck` becomes `prefix:truck`."""
+
+        def new(name: str) -> str:
+            return f"{prefix}:{name}"
+
+        return replace(
+            self,
+            components={new(name): component for name, component in self.components.items()},
+            connections=tuple(
+                replace(c, source=new(c.source), target=new(c.target)) for c in self.connections
+            ),
+            bonds=self.bonds
+            and tuple(PowerBond(new(b.force), new(b.velocity)) for b in self.bonds),
+        )
+
+    def joined(self, other: System, connections: Iterable[Connection] = ()) -> System:
+        """Both systems in one, with further connections between them; the experiment is this one's.
+
+        Their bonds are kept where both have some, else found by unit. Raises CouplingError for a
+        name that both have.
+        """
+        for name in self.components:
+            if name in other.components:
+                raise CouplingError(
+                    f"both systems have an instance '{name}'; tell them apart with prefixed()"
+                )
+        both = self.bonds is not None and other.bonds is not None
+        return replace(
+            self,
+            components={**self.components, **other.components},
+            connections=(*self.connections, *other.connections, *connections),
+            bonds=(*(self.bonds or ()), *(other.bonds or ())) if both else None,
+            notes=tuple(dict.fromkeys((*self.notes, *other.notes))),
+        )
 
     def _component(self, instance: str) -> Component:
         if instance not in self.components:

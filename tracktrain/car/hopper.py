@@ -1,8 +1,10 @@
-"""The 80-ton hopper car as a system: eight instances of four blocks, and what they exchange."""
+"""The 80-ton hopper car: its layout, its parameter sets, and both as a system."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import json
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -10,17 +12,16 @@ from ..errors import (
     HopperError,
     choices,
 )
+from .layout import (
+    Layout,
+    Truck,
+)
 
 if TYPE_CHECKING:
-    from orchestrator import (
-        Connection,
-        PowerBond,
-        System,
-    )
-    from orchestrator.system.system import Value
+    import xarray as xr
 
-CARS = ("loaded", "empty", "report-linear")
-"""Parameter sets that a hopper car may have."""
+    from orchestrator import System
+    from orchestrator.system.system import Value
 
 TRACKS = (
     "report",
@@ -31,26 +32,36 @@ TRACKS = (
 )
 """Spectra of the track block, which spells them with an underscore."""
 
-BLOCK_OF = {
-    "carbody": "carbody",
-    "truck_front": "truck",
-    "truck_rear": "truck",
-    "wheelset_11": "wheelrail",
-    "wheelset_12": "wheelrail",
-    "wheelset_21": "wheelrail",
-    "wheelset_22": "wheelrail",
-    "track": "track",
-}
-"""The block of each instance; the trucks' wheelsets are numbered (truck, axle)."""
+HOPPER = Layout(
+    carbody="carbody",
+    trucks=(
+        Truck("truck_front", "front", ("wheelset_11", "wheelset_12")),
+        Truck("truck_rear", "rear", ("wheelset_21", "wheelset_22")),
+    ),
+    track="track",
+)
+"""The trucks' wheelsets are numbered (truck, axle)."""
 
-TRUCKS = ("truck_front", "truck_rear")
 
+@dataclass(frozen=True)
+class Vehicle:
+    """A car that can be run: its layout, and the parameter set of its blocks."""
+
+    layout: Layout
+    parameters: str
+
+
+BLOCK_OF = HOPPER.blocks
+TRUCKS = HOPPER.instances("truck")
 WHEELSETS = {
-    (truck, axle): f"wheelset_{number}{axle}"
-    for number, truck in enumerate(TRUCKS, start=1)
-    for axle in (1, 2)
+    (truck.instance, axle): wheelset
+    for truck in HOPPER.trucks
+    for axle, wheelset in enumerate(truck.wheelsets, start=1)
 }
-"""The wheelset of each truck's axle."""
+required_ports = HOPPER.required_ports
+
+CARS = {name: Vehicle(HOPPER, name) for name in ("loaded", "empty", "report-linear")}
+"""All cars by name. Another car is one more entry."""
 
 REPORT_SPEED = 18.288
 """60 ft/s [m/s], the slowest of the report's three speeds."""
@@ -78,70 +89,81 @@ def hopper_car(
         raise HopperError(f"a speed of {speed:g} m/s cannot be run; give one above zero")
 
     values: dict[str, dict[str, Value]] = {
-        block: {**given} for block, given in _parameters(car).items()
+        block: {**given} for block, given in parameters_of(car).items()
     }
     values["track"] |= {"spectrum": track.replace("-", "_"), "seed": seed, "speed": speed}
+    layout = CARS[car].layout
     return System(
         components={
             instance: Component(fmu_path(block), values[block])
-            for instance, block in BLOCK_OF.items()
+            for instance, block in layout.blocks.items()
         },
-        connections=tuple(_connections()),
-        bonds=tuple(_bonds()),
+        connections=tuple(layout.connections()),
+        bonds=tuple(layout.bonds()),
     )
 
 
+def parameters_of(car: str) -> dict[str, dict[str, float]]:
+    """The parameters [SI] of a car by block and name."""
+    return {block: {**values} for block, values in _parameters(CARS[car].parameters).items()}
+
+
 @cache
-def _parameters(car: str) -> dict[str, dict[str, float]]:
-    """The set's values [SI] by block, read once: building the blocks takes its time."""
+def _parameters(name: str) -> dict[str, dict[str, float]]:
+    """Those of a parameter set, read once: building the blocks takes its time."""
     from fmus import BLOCKS
     from fmus.describe.parameters import parameter_set
 
-    parameters = parameter_set(car)
-    return {block: parameters.values(BLOCKS[block]()) for block in set(BLOCK_OF.values())}
+    parameters = parameter_set(name)
+    return {block: parameters.values(kind()) for block, kind in BLOCKS.items()}
 
 
-def required_ports(instance: str) -> frozenset[str]:
-    """Names of the variables that an FMU standing in for `instance` must have."""
-    ends = [end for c in _connections() for end in (c.source, c.target)]
-    owned = (end.partition(".")[::2] for end in ends)
-    return frozenset(name for owner, name in owned if owner == instance)
+def instances() -> tuple[str, ...]:
+    """The instances that any of `CARS` has."""
+    return tuple(dict.fromkeys(name for car in CARS.values() for name in car.layout.blocks))
 
 
-def _connections() -> Iterator[Connection]:
-    from orchestrator import Connection
+def layout_of(subject: System | xr.Dataset) -> Layout:
+    """The layout of the car in a system, or in the results of a run.
 
-    sides = ("left", "right")
-    for truck, end in enumerate(("front", "rear"), start=1):
-        frame = f"truck_{end}"
-        for motion in ("y", "z", "roll", "yaw", "vy", "vz", "wx", "wz"):
-            yield Connection(f"carbody.{end}.{motion}", f"{frame}.car.{motion}")
-        for force in ("force_y", "force_z", "moment_x", "moment_z"):
-            yield Connection(f"{frame}.car.{force}", f"carbody.{end}.{force}")
-        for axle in (1, 2):
-            wheelset = f"wheelset_{truck}{axle}"
-            rails = f"track.axle[{2 * (truck - 1) + axle}]"
-            for motion in ("y", "yaw", "vy", "wz"):
-                yield Connection(f"{frame}.axle[{axle}].{motion}", f"{wheelset}.{motion}")
-            for force in ("force_y", "moment_z"):
-                yield Connection(f"{wheelset}.{force}", f"{frame}.axle[{axle}].{force}")
-            for side in sides:
-                load, height = f"axle[{axle}].load_{side}", f"axle[{axle}].rail_z_{side}"
-                yield Connection(f"{frame}.{load}", f"{wheelset}.load_{side}")
-                yield Connection(f"{rails}.rail_y_{side}", f"{wheelset}.rail_y_{side}")
-                yield Connection(f"{rails}.rail_z_{side}", f"{frame}.{height}")
-            yield Connection("track.speed_out", f"{wheelset}.speed")
+    It is a layout of `CARS` whose names the instances have, also with a prefix before each. Else
+    the instances are told by what they give; then they must stand in the order of `HOPPER`.
+    `HOPPER` where nothing says otherwise.
+    """
+    from orchestrator import System
+
+    if isinstance(subject, System):
+        names = [*subject.components, *(connection.source for connection in subject.connections)]
+    else:
+        names = [*json.loads(subject.attrs.get("fmus", "{}")), *map(str, subject.data_vars)]
+    outputs: dict[str, set[str]] = {}
+    for name in names:
+        instance, _, output = name.partition(".")
+        outputs.setdefault(instance, set()).add(output)
+    known = dict.fromkeys(car.layout for car in CARS.values())
+    named = (found for layout in known for found in _prefixed(layout, outputs))
+    return next(named, None) or _by_outputs(outputs) or HOPPER
 
 
-def _bonds() -> Iterator[PowerBond]:
-    """Each force or moment with the velocity that it works on."""
-    from orchestrator import PowerBond
+def _prefixed(layout: Layout, instances: Collection[str]) -> Iterator[Layout]:
+    """A layout as the instances have it, under whatever prefix."""
+    for name in instances:
+        found = layout.renamed(name.removesuffix(layout.carbody).__add__)
+        if all(wanted in instances for wanted in found.blocks):
+            yield found
 
-    velocity_of = {"force_y": "vy", "force_z": "vz", "moment_x": "wx", "moment_z": "wz"}
-    for truck, end in enumerate(("front", "rear"), start=1):
-        for force, velocity in velocity_of.items():
-            yield PowerBond(f"truck_{end}.car.{force}", f"carbody.{end}.{velocity}")
-        for axle in (1, 2):
-            for force in ("force_y", "moment_z"):
-                wheelset, motion = f"wheelset_{truck}{axle}", velocity_of[force]
-                yield PowerBond(f"{wheelset}.{force}", f"truck_{end}.axle[{axle}].{motion}")
+
+def _by_outputs(outputs: Mapping[str, set[str]]) -> Layout | None:
+    """The layout whose instances have all outputs that `HOPPER` connects."""
+    found = {
+        block: [name for name, own in outputs.items() if needed <= own]
+        for block, needed in HOPPER.outputs().items()
+    }
+    if any(len(names) != len(HOPPER.instances(block)) for block, names in found.items()):
+        return None
+    new = {
+        old: name
+        for block, names in found.items()
+        for old, name in zip(HOPPER.instances(block), names, strict=True)
+    }
+    return HOPPER.renamed(new.__getitem__)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 import click
@@ -64,8 +64,8 @@ class Quantity(click.ParamType):
 class Name(click.ParamType):
     """One of `available`; a wrong one is answered with the closest match."""
 
-    def __init__(self, name: str, available: Sequence[str]) -> None:
-        self.name, self.available = name, tuple(available)
+    def __init__(self, name: str, available: Collection[str]) -> None:
+        self.name, self.available = name, available
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str:
         return f"[{'|'.join(self.available)}]"
