@@ -19,6 +19,7 @@ from .fmu.port_map import (
     PortMap,
 )
 from .fmu.read import describe
+from .fmu.units import Quantity
 from .results.energy import BondResidual
 from .results.run import Run
 from .run.checkpoint import read_checkpoint
@@ -27,7 +28,7 @@ from .run.simulate import (
     resume,
     simulate,
 )
-from .slaves.inline import Mock
+from .slaves.inline import InlineModel, Mock
 from .slaves.session import Session
 from .ssp.port_map import read_port_map
 from .system.system import (
@@ -54,6 +55,7 @@ __all__ = [
     "Connection",
     "Description",
     "Experiment",
+    "InlineModel",
     "Linear",
     "LinearModel",
     "Log",
@@ -62,6 +64,7 @@ __all__ = [
     "Port",
     "PortMap",
     "PowerBond",
+    "Quantity",
     "Run",
     "Session",
     "System",

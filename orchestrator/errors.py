@@ -31,7 +31,11 @@ class ValueRefusedError(OrchestratorError):
 
 
 class UnitError(OrchestratorError):
-    """A unit is not known, or measures something else."""
+    """A unit is not known, or does not fit."""
+
+
+class DimensionError(UnitError):
+    """A unit measures something else."""
 
 
 class SlaveError(OrchestratorError):

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
-from ..errors import UnitError
+from ..errors import DimensionError, UnitError
 
 _NUMBER = re.compile(
     r"\s*([+-]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|nan|inf(?:inity)?))(.*)", re.I
@@ -101,12 +101,36 @@ def conversion(
     return scale_of(source, source_definitions).to(scale_of(target, target_definitions))
 
 
-def quantity(text: str) -> tuple[float, str]:
-    """Number and unit of "200 lbf/in"; the unit may be empty. Raises UnitError without a number."""
-    match = _NUMBER.fullmatch(text.strip())
-    if match is None:
-        raise UnitError(f"'{text}' is no number with a unit")
-    return float(match[1]), match[2].strip()
+@dataclass(frozen=True)
+class Quantity:
+    """A number with its unit; an empty unit where none was given."""
+
+    value: float
+    unit: str = ""
+
+    @classmethod
+    def parsed(cls, text: str) -> Quantity:
+        """Number and unit of text such as "200 lbf/in"; raises UnitError without a number."""
+        match = _NUMBER.fullmatch(text.strip())
+        if match is None:
+            raise UnitError(f"'{text}' is no number with a unit")
+        return cls(float(match[1]), match[2].strip())
+
+    def to(self, unit: str) -> float:
+        """The value in another unit; raises UnitError, DimensionError where that cannot be."""
+        found = conversion(self.unit, unit)
+        if found is None:
+            raise DimensionError(f"{self} is of {self.dimension}, which cannot be in {unit or '1'}")
+        gain, offset = found
+        return gain * self.value + offset
+
+    @property
+    def dimension(self) -> str:
+        """What it measures, as "[mass]" or "[length] / [time]"; raises UnitError."""
+        return str(_parsed(self.unit).dimensionality)
+
+    def __str__(self) -> str:
+        return f"{self.value:g} {self.unit}".rstrip()
 
 
 def base_unit(unit: str, definitions: Definitions | None = None) -> BaseUnit | None:
@@ -117,7 +141,7 @@ def base_unit(unit: str, definitions: Definitions | None = None) -> BaseUnit | N
     if definitions and unit in definitions:
         return definitions[unit]
     scale = scale_of(unit)
-    powers = dict(_registry().Quantity(1.0, _parsed(unit)).to_base_units().unit_items())
+    powers = dict(registry().Quantity(1.0, _parsed(unit)).to_base_units().unit_items())
     if any(power != int(power) for power in powers.values()):
         return None
     exponents = {_BASE_UNITS[name]: int(power) for name, power in sorted(powers.items())}
@@ -127,18 +151,18 @@ def base_unit(unit: str, definitions: Definitions | None = None) -> BaseUnit | N
 @cache
 def _pint_scale(unit: str) -> Scale:
     parsed = _parsed(unit)
-    zero, one = (_registry().Quantity(n, parsed).to_base_units().magnitude for n in (0.0, 1.0))
+    zero, one = (registry().Quantity(n, parsed).to_base_units().magnitude for n in (0.0, 1.0))
     dimension = {k: float(n) for k, n in dict(parsed.dimensionality).items()}
     return Scale(float(one - zero), float(zero), dimension)
 
 
 def _parsed(unit: str) -> Any:
     """The unit as pint has it; raises UnitError."""
-    registry = _registry()
+    units = registry()
     for spelling in dict.fromkeys((_spelled_for_pint(unit), unit)):
         try:
-            parsed = registry.Unit(spelling)
-            registry.Quantity(1.0, parsed).to_base_units()
+            parsed = units.Unit(spelling)
+            units.Quantity(1.0, parsed).to_base_units()
         except Exception:  # pint raises many kinds, tokenizer errors among them
             continue
         return parsed
@@ -152,7 +176,8 @@ def _spelled_for_pint(unit: str) -> str:
     return "dimensionless" if unit in ("", "1") else unit
 
 
-def _registry() -> Any:
+def registry() -> Any:
+    """The units of all packages, which take their time and are therefore read when first needed."""
     import pint
 
     return pint.get_application_registry()

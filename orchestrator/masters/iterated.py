@@ -22,7 +22,7 @@ from ..plan.plan import (
     Link,
     Plan,
 )
-from ..slaves import abi as ffi
+from ..slaves import calls as ffi
 from ..slaves.base import Slave
 from .coupling import (
     continuous,

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..plan.plan import Plan
-from ..slaves import abi as ffi
+from ..slaves import calls as ffi
 from ..slaves.base import Slave
 from .coupling import (
     Coupling,

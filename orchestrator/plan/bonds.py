@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from ..errors import (
     CouplingError,
@@ -24,10 +23,7 @@ from ..fmu.description import (
 from ..fmu.units import scale_of
 from ..system.system import PowerBond
 from ..system.transformation import IDENTITY
-
-if TYPE_CHECKING:
-    from .plan import Link
-
+from .connections import Link
 
 _POWER = {("N", "m/s"), ("N.m", "rad/s")}
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 from ..errors import (
     CouplingError,
@@ -17,7 +18,6 @@ from ..fmu.description import (
     Variable,
 )
 from ..fmu.read import describe
-from ..slaves.inline import Mock
 from ..system.system import (
     Component,
     System,
@@ -176,7 +176,7 @@ def component_description(
     name: str, component: Component, interface: str = CO_SIMULATION
 ) -> Description:
     """What an FMU says of itself, its arrays as large as the component's values make them."""
-    if isinstance(component.fmu, Mock):
+    if not isinstance(component.fmu, Path):
         if component.ports is not None:
             raise CouplingError(f"{name} is a mock, which takes no port map; name its ports so")
         return component.fmu.description

@@ -21,8 +21,8 @@ from ..fmu.description import (
     Variable,
 )
 from ..fmu.units import (
+    Quantity,
     conversion,
-    quantity,
 )
 from ..system.system import Value
 
@@ -185,22 +185,23 @@ def _number(
         return int(value)  # all digits, of which a double has 15
     unit = variable.unit or ""
     try:
-        number, given = quantity(value)
+        given = Quantity.parsed(value)
     except UnitError:
         example = "'1'" if unit in NO_UNIT else f"'1 {unit}'"
         wanted = f"one of: {', '.join(variable.items)}" if variable.items else example
         raise ValueRefusedError(f"{full} cannot be '{value}'; write it like {wanted}") from None
-    if not given:
-        return number
+    if not given.unit:
+        return given.value
     try:
-        found = conversion(given, unit, description.units, description.units)
+        found = conversion(given.unit, unit, description.units, description.units)
     except UnitError as error:
         raise ValueRefusedError(
             f"{full} cannot be '{value}': {error}; its unit is {unit or '1'}"
         ) from None
     if found is None:
         raise ValueRefusedError(
-            f"{full} cannot be '{value}': {given} cannot be converted to its unit, {unit or '1'}"
+            f"{full} cannot be '{value}': {given.unit} cannot be converted to its unit, "
+            f"{unit or '1'}"
         )
     gain, offset = found
-    return gain * number + offset
+    return gain * given.value + offset

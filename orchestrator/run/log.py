@@ -12,6 +12,7 @@ from ..errors import (
     LogError,
     choices,
 )
+from ..slaves.listener import Listener
 
 LEVELS = {"all": 0, "warning": 1, "error": 3}
 """Names of the levels, and the least status of FMI that each lets through."""
@@ -21,6 +22,9 @@ REPEATS = 10
 
 LINES = 10_000
 """Lines of an instance that are written; what comes after them is counted."""
+
+STATUS_NAMES = ("ok", "warning", "discard", "error", "fatal", "pending")
+"""Of FMI, by number."""
 
 
 class Log:
@@ -64,8 +68,7 @@ class Log:
             return
         now = self.clock() if time is None else time
         when = "start" if now is None else f"{now:.6f} s"
-        names = ("ok", "warning", "discard", "error", "fatal", "pending")
-        self._line(f"{when}  {instance}  {names[status]}: {text}")
+        self._line(f"{when}  {instance}  {STATUS_NAMES[status]}: {text}")
 
     def close(self) -> None:
         """Say what was left out, and close the file."""
@@ -95,3 +98,26 @@ class Log:
             self._stream.flush()
         except (OSError, ValueError):  # a full disk does not end the run for this
             pass
+
+
+Logger = Callable[[str, str, str], None] | Log
+"""A log, or a function that is called with instance, status and message."""
+
+
+class _Told:
+    """A function in the place of a log."""
+
+    debug = False
+    categories: tuple[str, ...] = ()
+
+    def __init__(self, function: Callable[[str, str, str], None]) -> None:
+        self._function = function
+        self.clock: Callable[[], float | None] = lambda: None
+
+    def write(self, instance: str, status: int, text: str, time: float | None = None) -> None:
+        self._function(instance, STATUS_NAMES[status], text)
+
+
+def listener(logger: Logger | None) -> Listener | None:
+    """What hears the FMUs on behalf of a logger."""
+    return logger if logger is None or isinstance(logger, Log) else _Told(logger)

@@ -33,8 +33,6 @@ from ..results.run import (
     Statistics,
     provenance,
 )
-from ..slaves.base import Logger
-from ..slaves.inline import Mock
 from ..slaves.session import Session
 from ..system.system import (
     STEP,
@@ -52,7 +50,10 @@ from .checkpoint import (
 )
 from .grid import make_grid
 from .initial_values import settle
-from .log import Log
+from .log import (
+    Logger,
+    listener,
+)
 from .texts import Texts
 
 if TYPE_CHECKING:
@@ -141,7 +142,8 @@ def simulate(
         isolate = [*dict.fromkeys([*isolate, *evidence.crashed])]
     with ExitStack() as stack:
         loaded = session or stack.enter_context(Session())
-        slaves = loaded.slaves(system, plan, stack, logger, isolate, timeout)
+        heard = listener(logger)
+        slaves = loaded.slaves(system, plan, stack, heard, isolate, timeout)
         for slave in slaves:
             slave.distrusted = slave.name in evidence.distrusted
         if interval:
@@ -212,8 +214,8 @@ def simulate(
             texts.resume(grid.time(resumed.rows - 1))
         elif checkpoints is not None:
             checkpoints.write(stepper.rows_done)
-        if isinstance(logger, Log):
-            logger.clock = stepper.now
+        if heard is not None:
+            heard.clock = stepper.now
         wall_load, first = time.perf_counter() - begin, stepper.rows_done
         message = stepper.run(progress, texts, checkpoints)
         verdict = str(judge(message, recording.residuals(), evidence))
@@ -298,7 +300,7 @@ def _check_isolated(isolate: Sequence[str], system: System) -> None:
             raise CouplingError(
                 f"there is no instance '{name}' to isolate; {choices(name, system.components)}"
             )
-        if isinstance(system.components[name].fmu, Mock):
+        if system.components[name].file is None:
             raise CouplingError(f"{name} cannot be isolated: it is a mock, not an FMU")
 
 

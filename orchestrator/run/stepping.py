@@ -31,11 +31,10 @@ from ..plan.plan import (
 )
 from ..results.recording import Recording
 from ..results.run import Iterations
+from ..slaves.abi import Addresses
 from ..slaves.base import (
-    Addresses,
     Slave,
 )
-from ..slaves.inline import MockSlave
 from .checkpoint import Checkpoints
 from .grid import Grid
 from .initial_values import loop_failure
@@ -245,7 +244,7 @@ class Stepper:
         if call == NOT_CONVERGED:
             return self._unconverged(number, status)
         slave = self._slaves[number]
-        if isinstance(slave, MockSlave) and slave.interrupt is not None:
+        if slave.interrupt is not None:
             return self._interrupted()
         if slave.has_ended():
             return (

@@ -7,9 +7,9 @@ over doubles: those of an FMI 2.0 FMU that has nothing else, and `masters.adapto
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from enum import IntEnum
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,15 +19,12 @@ from ..fmu.description import (
     Description,
     Variable,
 )
-from ..run.log import Log
 from ..system.system import Value
+from .abi import Addresses, Reals
+from .listener import Listener
 
 if TYPE_CHECKING:
     from .adapted.lanes import Lanes
-
-
-Logger = Callable[[str, str, str], None] | Log
-"""Called with instance, status and message of what an FMU logs."""
 
 
 class Status(IntEnum):
@@ -41,19 +38,6 @@ class Status(IntEnum):
     PENDING = 5
 
 
-class Addresses(NamedTuple):
-    """Addresses of an instance and of the functions that a macro step calls; 0 for none."""
-
-    instance: int
-    set_real: int
-    get_real: int
-    do_step: int
-    set_rates: int
-    directional: int
-    get_state: int = 0
-    set_state: int = 0
-
-
 class Slave(ABC):
     """One instance of an FMU. `messages` keeps what it logged."""
 
@@ -62,12 +46,18 @@ class Slave(ABC):
     """What its adaptors work with, if it is called through such."""
     distrusted = False
     """Whether its saved states were found not to hold everything."""
+    in_python = False
+    """Whether its functions are Python's, which one thread alone may call."""
+    interrupt: BaseException | None = None
+    """What ended a call of its functions that is no error, such as Ctrl-C."""
 
-    def __init__(self, name: str, description: Description, logger: Logger | None = None) -> None:
+    def __init__(
+        self, name: str, description: Description, listener: Listener | None = None
+    ) -> None:
         self.name = name
         self.description = description
         self.messages: list[str] = []
-        self._logger = logger
+        self._listener = listener
 
     def ready(self) -> None:
         """Wait until it is loaded; raises SlaveError."""
@@ -168,21 +158,16 @@ class Slave(ABC):
         if status != Status.OK:
             self.messages.append(text)
             del self.messages[:-50]
-        if isinstance(self._logger, Log):
-            self._logger.write(self.name, status, text, time)
-        elif self._logger is not None:
-            self._logger(self.name, Status(status).name.lower(), text)
+        if self._listener is not None:
+            self._listener.write(self.name, status, text, time)
 
     def _reals(
         self, function: int, variables: Sequence[Variable], values: NDArray[np.float64], verb: str
     ) -> None:
-        from . import abi as ffi
-
         if not variables:
             return
         references = np.array([v.reference for v in variables], np.uint32)
-        status = ffi.reals(
-            function,
+        status = Reals(function)(
             self.addresses.instance,
             references.ctypes.data,
             len(variables),

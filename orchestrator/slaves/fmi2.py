@@ -6,7 +6,7 @@ import ctypes
 import os
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from weakref import WeakValueDictionary
 
 from ..errors import SlaveError
@@ -15,11 +15,9 @@ from ..fmu.description import (
     Variable,
 )
 from ..system.system import Value
-
-if TYPE_CHECKING:
-    pass
-from .base import Addresses, Logger
+from .abi import Addresses
 from .fmu import FmuSlave, address_of
+from .listener import Listener
 
 
 class Fmi2Slave(FmuSlave):
@@ -29,11 +27,11 @@ class Fmi2Slave(FmuSlave):
     """fmpy's class for it."""
 
     def __init__(
-        self, name: str, description: Description, folder: Path, logger: Logger | None = None
+        self, name: str, description: Description, folder: Path, listener: Listener | None = None
     ) -> None:
         from fmpy import calloc, fmi2, free
 
-        super().__init__(name, description, logger)
+        super().__init__(name, description, listener)
         callbacks = fmi2.fmi2CallbackFunctions()
         callbacks.logger = _logger()
         callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(calloc)

@@ -15,12 +15,12 @@ from ..fmu.description import (
 from ..system.system import Value
 from .adapted import adaptors
 from .adapted.lanes import Lanes
-from .base import Logger
 from .fmi2 import own_value
 from .fmu import (
     FmuSlave,
     address_of,
 )
+from .listener import Listener
 
 ITERATIONS = 100
 """Event iterations after which an FMU that still asks for more is given up."""
@@ -33,11 +33,11 @@ class Fmi3Slave(FmuSlave):
     """fmpy's class for it."""
 
     def __init__(
-        self, name: str, description: Description, folder: Path, logger: Logger | None = None
+        self, name: str, description: Description, folder: Path, listener: Listener | None = None
     ) -> None:
         from fmpy import fmi3
 
-        super().__init__(name, description, logger)
+        super().__init__(name, description, listener)
         self._given: dict[tuple[str, int], dict[int, Value]] = {}
         self.lanes: Lanes = Lanes(description)
         working_folder = Path.cwd()

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..errors import SlaveError
 from ..fmu.description import (
     Variable,
 )
-
-if TYPE_CHECKING:
-    pass
 from .base import Slave
 
 

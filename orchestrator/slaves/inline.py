@@ -13,8 +13,8 @@ from ..fmu.description import (
     Variable,
 )
 from ..system.system import Value
+from .abi import Addresses, Directional, DoStep, Rates, Reals, State
 from .base import (
-    Addresses,
     Slave,
     Status,
 )
@@ -23,7 +23,7 @@ Signals = Mapping[str, float]
 
 
 @dataclass(frozen=True, eq=False)
-class Mock:
+class InlineModel:
     """Ports with units, and functions of plain dictionaries.
 
     start: start values of parameters and inputs. depends: inputs on which an output depends at the
@@ -81,42 +81,49 @@ class Mock:
             tangents=self.tangents,
         )
 
+    def slave(self, name: str) -> InlineSlave:
+        """A running instance of this name."""
+        return InlineSlave(name, self)
 
-class MockSlave(Slave):
-    """A running mock behind the same C functions as an FMU's."""
 
-    def __init__(self, name: str, mock: Mock) -> None:
-        super().__init__(name, mock.description)
-        from . import abi as ffi
+Mock = InlineModel
+"""Its name in older scripts."""
 
-        self._mock = mock
+
+class InlineSlave(Slave):
+    """A running inline model behind the same C functions as an FMU's."""
+
+    in_python = True
+
+    def __init__(self, name: str, model: InlineModel) -> None:
+        super().__init__(name, model.description)
+        self._model = model
         self._names = [v.name for v in self.description.variables.values()]
-        self._u = {v.name: mock.start.get(v.name, 0.0) for v in self.description.inputs}
-        self._p = {k: v for k, v in mock.start.items() if k not in self._u}
+        self._u = {v.name: model.start.get(v.name, 0.0) for v in self.description.inputs}
+        self._p = {k: v for k, v in model.start.items() if k not in self._u}
         self._rates = {name: [0.0, 0.0] for name in self._u}
         self._x: Any = None
         self._saved: list[Any] = []
         callbacks = (
-            ffi.Reals(self._guarded(self._set)),
-            ffi.Reals(self._guarded(self._get)),
-            ffi.DoStep(self._guarded(self._step)),
-            ffi.Rates(self._guarded(self._set_rates)),
-            ffi.Directional(self._guarded(self._directional)),
-            ffi.State(self._guarded(self._save)),
-            ffi.State(self._guarded(self._restore)),
+            Reals(self._guarded(self._set)),
+            Reals(self._guarded(self._get)),
+            DoStep(self._guarded(self._step)),
+            Rates(self._guarded(self._set_rates)),
+            Directional(self._guarded(self._directional)),
+            State(self._guarded(self._save)),
+            State(self._guarded(self._restore)),
         )
         self._callbacks = callbacks
         self.addresses = Addresses(
             0, *(ctypes.cast(c, ctypes.c_void_p).value or 0 for c in callbacks)
         )
-        self.interrupt: BaseException | None = None
 
     def set_value(self, variable: Variable, value: Value) -> None:
         place = self._u if variable.name in self._u else self._p
         place[variable.name] = float(str(value))
 
     def start(self, time: float, stop: float) -> None:
-        self._x = self._mock.initial(self._p)
+        self._x = self._model.initial(self._p)
 
     def begin_stepping(self) -> None:
         pass
@@ -148,20 +155,20 @@ class MockSlave(Slave):
         given = (ctypes.c_double * count).from_address(values)
         order = (ctypes.c_int * count).from_address(orders)
         for name, n, value in zip(self._named(references, count), order, given, strict=True):
-            if not 1 <= n <= self._mock.input_order:
-                raise ValueError(f"input derivatives up to order {self._mock.input_order} only")
+            if not 1 <= n <= self._model.input_order:
+                raise ValueError(f"input derivatives up to order {self._model.input_order} only")
             self._rates[name][n - 1] = value
 
     def _get(self, _: int, references: int, count: int, values: int) -> None:
-        known = {**self._p, **self._u, **self._mock.output(self._x, self._u, self._p)}
+        known = {**self._p, **self._u, **self._model.output(self._x, self._u, self._p)}
         taken = (ctypes.c_double * count).from_address(values)
         taken[:] = [known[name] for name in self._named(references, count)]
 
     def _step(self, _: int, time: float, step: float, _no_return: int) -> None:
         rates: Mapping[str, Any] = self._rates
-        if self._mock.input_order == 1:
+        if self._model.input_order == 1:
             rates = {name: first for name, (first, _) in self._rates.items()}
-        self._x = self._mock.step(self._x, dict(self._u), rates, self._p, time, step)
+        self._x = self._model.step(self._x, dict(self._u), rates, self._p, time, step)
         for name, (first, second) in self._rates.items():
             self._u[name] += (first + 0.5 * second * step) * step
         self._rates = {name: [0.0, 0.0] for name in self._u}
@@ -188,10 +195,10 @@ class MockSlave(Slave):
         seed: int,
         result: int,
     ) -> None:
-        assert self._mock.directional is not None
+        assert self._model.directional is not None
         seeds = dict.fromkeys(self._u, 0.0)
         given = (ctypes.c_double * known_count).from_address(seed)
         seeds.update(zip(self._named(knowns, known_count), given, strict=True))
-        found = self._mock.directional(self._x, self._u, self._p, seeds)
+        found = self._model.directional(self._x, self._u, self._p, seeds)
         taken = (ctypes.c_double * unknown_count).from_address(result)
         taken[:] = [found[name] for name in self._named(unknowns, unknown_count)]

@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING
 
 from ..fmu.archive import open_archive
 from ..fmu.description import (
     Description,
 )
-
-if TYPE_CHECKING:
-    pass
-from .base import Logger, Slave
+from .base import Slave
 from .fmi2 import Fmi2Slave
+from .listener import Listener
 
 
-def load(name: str, description: Description, folder: Path, logger: Logger | None) -> Slave:
+def load(name: str, description: Description, folder: Path, listener: Listener | None) -> Slave:
     """An instance of an unzipped FMU, in this process; raises SlaveError."""
     if description.fmi_version.startswith("2."):
-        return Fmi2Slave(name, description, folder, logger)
+        return Fmi2Slave(name, description, folder, listener)
     from .fmi3 import Fmi3Slave  # with a compiler, which takes its time
 
-    return Fmi3Slave(name, description, folder, logger)
+    return Fmi3Slave(name, description, folder, listener)
 
 
 def unzip(path: Path, description: Description, folder: Path) -> Path:

@@ -10,16 +10,9 @@ from typing import Self
 
 from ..fmu.description import Description
 from ..plan.plan import Plan
-from ..run.log import Log
 from ..system.system import System
-from .base import (
-    Logger,
-    Slave,
-)
-from .inline import (
-    Mock,
-    MockSlave,
-)
+from .base import Slave
+from .listener import Listener
 from .loading import (
     load,
     unzip,
@@ -63,35 +56,35 @@ class Session:
         system: System,
         plan: Plan,
         stack: ExitStack,
-        logger: Logger | None,
+        listener: Listener | None,
         isolate: Sequence[str],
         timeout: float,
     ) -> list[Slave]:
         """Instances of all components; the stack frees those that are not kept."""
-        ready = self._reset(plan, set(plan.names) - set(isolate) if logger is None else ())
+        ready = self._reset(plan, set(plan.names) - set(isolate) if listener is None else ())
         slaves: list[Slave] = []
         for name, component, description in zip(
             plan.names, system.components.values(), plan.descriptions, strict=True
         ):
             slave: Slave
-            if isinstance(component.fmu, Mock):
-                slave = MockSlave(name, component.fmu)
+            if not isinstance(component.fmu, Path):
+                slave = component.fmu.slave(name)
             elif name in ready:
                 slave = ready[name]
             elif name in isolate:
                 from .isolated import IsolatedSlave
 
-                folder = self._unzip(Path(component.fmu), description)
-                slave = IsolatedSlave(name, description, folder, logger, timeout)
+                folder = self._unzip(component.fmu, description)
+                slave = IsolatedSlave(name, description, folder, listener, timeout)
             else:
-                folder = self._unzip(Path(component.fmu), description)
-                slave = load(name, description, folder, logger)
+                folder = self._unzip(component.fmu, description)
+                slave = load(name, description, folder, listener)
             stack.callback(self._release, slave)
             slaves.append(slave)
         for slave in slaves:
             slave.ready()
-            if isinstance(logger, Log) and logger.debug:
-                slave.debug(logger.categories)
+            if listener is not None and listener.debug:
+                slave.debug(listener.categories)
         return slaves
 
     def keep(self, slaves: Sequence[Slave]) -> None:

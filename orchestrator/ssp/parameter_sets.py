@@ -18,8 +18,8 @@ from ..fmu.description import (
 from ..fmu.units import (
     BaseUnit,
     Definitions,
+    Quantity,
     base_unit,
-    quantity,
     scale_of,
 )
 from ..plan.start_values import resolve
@@ -252,7 +252,7 @@ def _spelled(variable: Variable, given: Value, fitting: Value) -> tuple[str, str
     """Type, text and unit of a value as it was given; `fitting` is what its variable gets."""
     kind = TYPES[variable.type]
     if kind == "Real" and isinstance(given, str):
-        _, unit = quantity(given)
+        unit = Quantity.parsed(given).unit
         return kind, given.strip().removesuffix(unit).strip(), unit or variable.unit
     if kind == "Real":
         return kind, repr(float(str(fitting))), variable.unit

@@ -21,7 +21,6 @@ from ..fmu.description import (
 from ..fmu.read import describe
 from ..fmu.units import Definitions
 from ..plan.plan import component_description
-from ..slaves.inline import Mock
 from ..system.system import (
     STEP,
     Component,
@@ -192,9 +191,9 @@ def _fmu(instance: str, component: Component) -> Path:
             f"{instance} is an FMU behind a port map, which cannot be written; give it an FMU with "
             "the ports' own names"
         )
-    if isinstance(component.fmu, Mock):
+    if component.file is None:
         raise SspError(f"{instance} is a mock, which cannot be written; give it an FMU")
-    return Path(component.fmu).resolve()
+    return component.file.resolve()
 
 
 def _places(components: Mapping[str, Component]) -> dict[Path, str]:

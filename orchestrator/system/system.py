@@ -5,20 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ..errors import (
     CouplingError,
     choices,
 )
+from ..fmu.port_map import PortMap
+from .source import Source
 from .transformation import (
     IDENTITY,
     Transformation,
 )
-
-if TYPE_CHECKING:
-    from ..fmu.port_map import PortMap
-    from ..slaves.inline import Mock
 
 Value = float | int | bool | str | list["Value"] | tuple["Value", ...]
 """A number in the variable's unit, or text: a quantity ("200 lbf/in"), an enumeration's item.
@@ -37,10 +34,19 @@ class Component:
     every: it steps once in so many macro steps, over all of them.
     """
 
-    fmu: Path | Mock
+    fmu: Path | Source
     parameters: Mapping[str, Value] = field(default_factory=dict)
     ports: PortMap | None = None
     every: int = 1
+
+    def __post_init__(self) -> None:
+        if isinstance(self.fmu, str):
+            object.__setattr__(self, "fmu", Path(self.fmu))
+
+    @property
+    def file(self) -> Path | None:
+        """The FMU file; None for a model within the program."""
+        return self.fmu if isinstance(self.fmu, Path) else None
 
 
 @dataclass(frozen=True)
@@ -86,9 +92,9 @@ class System:
     experiment: Experiment = Experiment()
     notes: tuple[str, ...] = field(default=(), compare=False)
 
-    def with_fmu(self, instance: str, path: Path | Mock, ports: PortMap | None = None) -> System:
+    def with_fmu(self, instance: str, fmu: Path | Source, ports: PortMap | None = None) -> System:
         """The same system with another FMU in an instance's place; its values are kept."""
-        component = replace(self._component(instance), fmu=path, ports=ports)
+        component = replace(self._component(instance), fmu=fmu, ports=ports)
         return replace(self, components={**self.components, instance: component})
 
     def with_value(self, name: str, value: Value) -> System:

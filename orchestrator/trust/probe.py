@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..errors import SlaveError
 from ..fmu.description import Variable
 from ..plan.plan import make_plan
-from ..slaves import abi as ffi
+from ..slaves import calls as ffi
 from ..slaves.base import (
     Slave,
     Status,

@@ -17,7 +17,6 @@ from ..errors import (
 )
 from ..fmu.description import Variable
 from ..fmu.units import scale_of
-from ..slaves.inline import Mock
 from ..slaves.session import Session
 from ..system.system import Component
 from .findings import (
@@ -329,9 +328,9 @@ def _recommended(component: Component) -> float | None:
     """The step that an FMU recommends [s]."""
     from ..fmu.read import open_fmu
 
-    if isinstance(component.fmu, Mock):
+    if component.file is None:
         return None
-    said = open_fmu(component.fmu).root.find("DefaultExperiment")
+    said = open_fmu(component.file).root.find("DefaultExperiment")
     try:
         size = float("" if said is None else said.get("stepSize", ""))
     except ValueError:

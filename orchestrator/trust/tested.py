@@ -13,7 +13,6 @@ from dataclasses import asdict
 from pathlib import Path
 
 from ..plan.plan import component_description
-from ..slaves.inline import Mock
 from ..system.encoding import encode
 from ..system.system import Component
 from .findings import (
@@ -38,7 +37,7 @@ def self_tests(components: Mapping[str, Component], *, anew: bool = False) -> di
     known: dict[str, SelfTest] = {}
     waiting: dict[str, Component] = {}
     for name, component in components.items():
-        if isinstance(component.fmu, Mock):
+        if component.file is None:
             hashes[name] = name
             known[name] = self_test(component)
             continue

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..errors import CouplingError
 from ..plan.plan import Plan
-from ..slaves.base import Logger
+from ..run.log import Logger, listener
 from ..system.system import System
 from .model_exchange import (
     Model,
@@ -61,7 +61,7 @@ def linearise(
     """
     plan = plan_exchange(system, record)
     with ExitStack() as stack:
-        models = load_models(system, plan, stack, start, start, logger)
+        models = load_models(system, plan, stack, start, start, listener(logger))
         _check(models)
         whole = Whole(plan, models)
         whole.outputs(start, whole.leave_event_mode())

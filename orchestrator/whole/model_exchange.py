@@ -29,16 +29,15 @@ from ..plan.plan import (
     make_plan,
 )
 from ..run.initial_values import settle
-from ..slaves.base import (
-    Logger,
-    Status,
-)
+from ..slaves.abi import Directional, Reals
+from ..slaves.base import Status
 from ..slaves.fmi2 import Fmi2Slave
+from ..slaves.fmi3 import Fmi3Slave
 from ..slaves.fmu import (
     FmuSlave,
     address_of,
 )
-from ..slaves.inline import Mock
+from ..slaves.listener import Listener
 from ..slaves.loading import unzip
 from ..system.system import System
 
@@ -148,13 +147,10 @@ class Exchanging(FmuSlave):
         self._call("refused continuous-time mode", self._fmu.enterContinuousTimeMode)
 
     def directional(self, unknowns: Sequence[str], known: str) -> Array:
-        from ..slaves import abi as ffi
-
         named = self.description.variables
         references = np.array([named[name].reference for name in (*unknowns, known)], np.uint32)
         seed, result = np.ones(1), np.empty(len(unknowns))
-        status = ffi.directional(
-            self.addresses.directional,
+        status = Directional(self.addresses.directional)(
             self.addresses.instance,
             references.ctypes.data,
             len(unknowns),
@@ -178,14 +174,12 @@ class Exchanging(FmuSlave):
         return self._bound(f"{function} failed", values, call, given)
 
     def _ports(self, verb: str, function: int, variables: Sequence[Variable]) -> tuple[Array, Call]:
-        from ..slaves import abi as ffi
-
         values = np.zeros(len(variables))
         references = np.array([v.reference for v in variables], np.uint32)
         places = (references.ctypes.data, len(values), values.ctypes.data)
         what = f"{verb} {', '.join(v.name for v in variables)}"
         given = (self.addresses.instance, *places)
-        return values, self._bound(what, (values, references), ffi.Reals(function), given)
+        return values, self._bound(what, (values, references), Reals(function), given)
 
     def _bound(self, failure: str, kept: Any, call: Any, given: Sequence[int]) -> Call:
         """The C function with its arguments made once: a right-hand side makes many small calls."""
@@ -206,6 +200,24 @@ class Fmi2Model(Exchanging, Fmi2Slave):
     prefix, rates, update = "fmi2", "GetDerivatives", "newDiscreteStates"
 
 
+class Fmi3Model(Exchanging, Fmi3Slave):
+    """An instance of an FMI 3.0 FMU for model exchange, its ports called through adaptors."""
+
+    wrapper = "FMU3Model"
+    prefix, rates, update = "fmi3", "GetContinuousStateDerivatives", "updateDiscreteStates"
+
+    def _instantiate(self, resources: str) -> None:
+        self._fmu.component = self._fmu.fmi3InstantiateModelExchange(
+            self.name.encode(),
+            self.description.guid.encode(),
+            resources.encode(),
+            False,
+            False,
+            self.lanes.address,
+            self._log,
+        )
+
+
 def plan_exchange(system: System, record: Sequence[str] | None) -> Plan:
     """The plan of a system whose FMUs are integrated as one.
 
@@ -214,16 +226,16 @@ def plan_exchange(system: System, record: Sequence[str] | None) -> Plan:
     cannot = []
     for name, component in system.components.items():
         if component.ports is not None:
-            file = Path(str(component.fmu)).name
+            file = component.file.name if component.file else name
             raise CouplingError(
                 f"the system cannot be integrated as one: {name} ({file}) is coupled "
                 "through a map of its ports; put an FMU there that needs none, or co-simulate"
             )
-        if isinstance(component.fmu, Mock):
+        if not isinstance(component.fmu, Path):
             own = component.fmu.description
             cannot.append(f"{name} ({own.label}, FMI {own.fmi_version})")
             continue
-        contents = open_fmu(Path(component.fmu))
+        contents = open_fmu(component.fmu)
         said = contents.interfaces.get(MODEL_EXCHANGE, {})
         known = contents.version.startswith(("2.", "3."))
         if not known or not contents.binary(said.get("modelIdentifier", "")):
@@ -242,7 +254,7 @@ def load_models(
     stack: ExitStack,
     start: float,
     stop: float,
-    logger: Logger | None = None,
+    listener: Listener | None = None,
 ) -> list[Model]:
     """Instances of all components of a plan for model exchange, initialized at `start` [s].
 
@@ -257,7 +269,7 @@ def load_models(
         if path not in unzipped:
             unzipped[path] = unzip(path, description, folder / str(len(unzipped)))
         exchange = _exchange(path, description)
-        model = _kind(description)(exchange, name, description, unzipped[path], logger)
+        model = _kind(description)(exchange, name, description, unzipped[path], listener)
         stack.callback(model.close)
         models.append(model)
     for model, values in zip(models, plan.values, strict=True):
@@ -272,11 +284,7 @@ def load_models(
 
 
 def _kind(description: Description) -> type[Exchanging]:
-    if description.fmi_version.startswith("2."):
-        return Fmi2Model
-    from .model_exchange3 import Fmi3Model  # with a compiler, which takes its time
-
-    return Fmi3Model
+    return Fmi2Model if description.fmi_version.startswith("2.") else Fmi3Model
 
 
 def _exchange(path: Path, description: Description) -> Exchange:

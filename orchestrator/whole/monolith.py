@@ -35,7 +35,7 @@ from ..run.grid import (
     Grid,
     make_grid,
 )
-from ..slaves.base import Logger
+from ..run.log import Logger, listener
 from ..system.system import System
 from .model_exchange import (
     ITERATIONS,
@@ -83,7 +83,7 @@ def monolith(
     plan = plan_exchange(system, record)
     refuse_loops(plan)
     with ExitStack() as stack:
-        models = load_models(system, plan, stack, start, grid.stop, logger)
+        models = load_models(system, plan, stack, start, grid.stop, listener(logger))
         whole = Whole(plan, models)
         rows = np.full((grid.steps + 1, len(plan.columns)), np.nan)
         opened = [(i, v) for i, v in plan.open_inputs if v.kind == "real"]

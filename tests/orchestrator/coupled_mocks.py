@@ -10,7 +10,7 @@ from scipy.linalg import expm
 from orchestrator import (
     Component,
     Connection,
-    Mock,
+    InlineModel,
     System,
     Tangent,
 )
@@ -58,7 +58,7 @@ def oscillator(*, rates: bool = True, **changes) -> System:
         (0.0, 1.0, 0.0, 0.0),
         (-(K2 + K12) / M2, -(C2 + C12) / M2, K12 / M2, C12 / M2),
     )
-    one = Mock(
+    one = InlineModel(
         inputs={"force": "N"},
         outputs={"x": "m", "v": "m/s", "a": "m/s2"},
         depends={"a": ("force",)},
@@ -74,7 +74,7 @@ def oscillator(*, rates: bool = True, **changes) -> System:
         },
         **changes,
     )
-    other = Mock(
+    other = InlineModel(
         inputs={"x": "m", "v": "m/s"},
         outputs={"force": "N", "x2": "m"},
         depends={"force": ("x", "v")},
@@ -118,7 +118,7 @@ def order(errors) -> float:
     return float(np.log2(errors[0] / errors[-1]) / (len(errors) - 1))
 
 
-def mass(m: float = 1.0, v: float = 1.0, **changes) -> Mock:
+def mass(m: float = 1.0, v: float = 1.0, **changes) -> InlineModel:
     """A mass that takes the tangent of its force; exact."""
 
     def step(x, u, rate, p, time, step):
@@ -136,10 +136,10 @@ def mass(m: float = 1.0, v: float = 1.0, **changes) -> Mock:
         "step": step,
         "output": lambda x, u, p: {"x": x[0], "v": x[1]},
     }
-    return Mock(**{**given, **changes})
+    return InlineModel(**{**given, **changes})
 
 
-def damper(c: float, **changes) -> Mock:
+def damper(c: float, **changes) -> InlineModel:
     """A damper to a moving ground, without states; the force is that on the mass."""
     given = {
         "inputs": {"v": "m/s", "ground_v": "m/s"},
@@ -148,10 +148,10 @@ def damper(c: float, **changes) -> Mock:
         "output": lambda x, u, p: {"force": -c * (u["v"] - u["ground_v"])},
         "directional": lambda x, u, p, seed: {"force": -c * (seed["v"] - seed["ground_v"])},
     }
-    return Mock(**{**given, **changes})
+    return InlineModel(**{**given, **changes})
 
 
-def ramp(slope: float, **changes) -> Mock:
+def ramp(slope: float, **changes) -> InlineModel:
     """A ground velocity that grows steadily."""
     given = {
         "outputs": {"v": "m/s"},
@@ -159,7 +159,7 @@ def ramp(slope: float, **changes) -> Mock:
         "step": lambda x, u, rate, p, time, step: time + step,
         "output": lambda x, u, p: {"v": slope * x},
     }
-    return Mock(**{**given, **changes})
+    return InlineModel(**{**given, **changes})
 
 
 def damped_mass(c: float, *, slope: float = 0.0, **changes) -> System:
@@ -186,7 +186,7 @@ def two_mass(r: float, step: float) -> System:
         (0.0, 1.0, 0.0, 0.0),
         (-stiffness / heavy, -damping / heavy, stiffness / heavy, damping / heavy),
     )
-    one = Mock(
+    one = InlineModel(
         inputs={"force": "N"},
         outputs={"x": "m", "v": "m/s"},
         initial=lambda p: np.array([0.0, 1.0]),
@@ -195,7 +195,7 @@ def two_mass(r: float, step: float) -> System:
         ),
         output=lambda x, u, p: {"x": x[0], "v": x[1]},
     )
-    other = Mock(
+    other = InlineModel(
         inputs={"x": "m", "v": "m/s"},
         outputs={"force": "N"},
         depends={"force": ("x", "v")},
@@ -221,7 +221,7 @@ def two_springs() -> System:
     """preCICE's oscillator (Schueller 2022): two masses by displacements, classical Runge-Kutta."""
     k, k12 = 4.0 * np.pi**2, 16.0 * np.pi**2
 
-    def body(start: float) -> Mock:
+    def body(start: float) -> InlineModel:
         def step(x, u, rate, p, time, step):
             def slope(t, x):
                 return np.array([x[1], k12 * (u["other"] + rate["other"] * t) - (k + k12) * x[0]])
@@ -231,7 +231,7 @@ def two_springs() -> System:
             c = slope(step / 2, x + step / 2 * b)
             return x + step / 6 * (a + 2 * b + 2 * c + slope(step, x + step * c))
 
-        return Mock(
+        return InlineModel(
             inputs={"other": "m"},
             outputs={"x": "m"},
             initial=lambda p: np.array([start, 0.0]),

@@ -9,7 +9,7 @@ import tolerances
 from orchestrator import (
     Component,
     Connection,
-    Mock,
+    InlineModel,
     OrchestratorError,
     System,
     simulate,
@@ -18,8 +18,8 @@ from orchestrator import (
 MASTERS = ("one-pass", "jacobi", "gauss-seidel", "iterated")
 
 
-def response(of) -> Mock:
-    return Mock(
+def response(of) -> InlineModel:
+    return InlineModel(
         inputs={"u": "1", "t": "s"},
         outputs={"y": "1"},
         depends={"y": ("u", "t")},
@@ -28,7 +28,7 @@ def response(of) -> Mock:
 
 
 def loop(first, second) -> System:
-    clock = Mock(
+    clock = InlineModel(
         outputs={"t": "s"},
         initial=lambda p: 0.0,
         step=lambda x, u, rate, p, time, step: time + step,
@@ -68,13 +68,13 @@ def test_nonlinear_loop_is_solved_at_every_point():
 
 def test_loops_of_loops_and_what_follows_them_are_read_in_order():
     """Two loops through the same two FMUs, the second fed by the first, and a reader behind."""
-    two = Mock(
+    two = InlineModel(
         inputs={"u": "1", "v": "1"},
         outputs={"y": "1", "z": "1"},
         depends={"y": ("u",), "z": ("u", "v")},
         output=lambda x, u, p: {"y": -2.0 * u["u"] + 3.0, "z": -4.0 * u["v"] + u["u"]},
     )
-    same = Mock(
+    same = InlineModel(
         inputs={"u": "1", "v": "1"},
         outputs={"y": "1", "z": "1"},
         depends={"y": ("u",), "z": ("v",)},

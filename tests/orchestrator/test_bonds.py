@@ -12,7 +12,7 @@ from coupled_mocks import M1, damped_mass, order, oscillator
 from orchestrator import (
     Component,
     Connection,
-    Mock,
+    InlineModel,
     PowerBond,
     System,
     simulate,
@@ -21,14 +21,14 @@ from orchestrator import (
 
 def spring_and_mass() -> System:
     """A mass on a spring, without loss: all energy crosses the bond."""
-    spring = Mock(
+    spring = InlineModel(
         inputs={"end.v": "m/s"},
         outputs={"end.force": "N"},
         initial=lambda p: 0.1,
         step=lambda x, u, rate, p, time, h: x + u["end.v"] * h + 0.5 * rate["end.v"] * h * h,
         output=lambda x, u, p: {"end.force": -100.0 * x},
     )
-    mass = Mock(
+    mass = InlineModel(
         inputs={"force": "N"},
         outputs={"v": "m/s"},
         initial=lambda p: 0.0,
@@ -78,14 +78,14 @@ def test_coupling_that_is_exact_has_no_residual():
     pushed = System(
         {
             "actuator": Component(
-                Mock(
+                InlineModel(
                     inputs={"v": "m/s"},
                     outputs={"force": "N"},
                     output=lambda x, u, p: {"force": 3.0},
                 )
             ),
             "mass": Component(
-                Mock(
+                InlineModel(
                     inputs={"force": "N"},
                     outputs={"v": "m/s", "a": "m/s2"},
                     depends={"a": ("force",)},
@@ -107,12 +107,12 @@ def test_bonds_are_found_by_unit_port_group_and_axis():
     """Two ports with two axes each between the same two slaves: four bonds, none across."""
     forces = {f"{port}.{n}": u for port in "ab" for n, u in (("force_y", "N"), ("moment_z", "N.m"))}
     motion = {f"{port}.{n}": u for port in "cd" for n, u in (("vy", "m/s"), ("wz", "rad/s"))}
-    giver = Mock(
+    giver = InlineModel(
         outputs=forces,
         inputs={name.replace("c.", "a.").replace("d.", "b."): u for name, u in motion.items()},
         output=lambda x, u, p: dict.fromkeys(forces, 0.0),
     )
-    taker = Mock(
+    taker = InlineModel(
         outputs=motion,
         inputs={name.replace("a.", "c.").replace("b.", "d."): u for name, u in forces.items()},
         output=lambda x, u, p: dict.fromkeys(motion, 0.0),

@@ -12,15 +12,15 @@ from coupled_mocks import oscillator
 from orchestrator import (
     Component,
     Connection,
-    Mock,
+    InlineModel,
     OrchestratorError,
     System,
     simulate,
 )
 
 
-def gain(factor: float, offset: float = 0.0, declared: bool = True) -> Mock:
-    return Mock(
+def gain(factor: float, offset: float = 0.0, declared: bool = True) -> InlineModel:
+    return InlineModel(
         inputs={"u": "1"},
         outputs={"y": "1"},
         depends={"y": ("u",)} if declared else {},

@@ -17,7 +17,7 @@ from typed_slaves import build_fmi2
 from orchestrator import (
     Component,
     Connection,
-    Mock,
+    InlineModel,
     System,
     simulate,
 )
@@ -26,7 +26,7 @@ from orchestrator import (
 def changed(system: System, instance: str, **changes) -> System:
     """With a mock that differs in something."""
     fmu = system.components[instance].fmu
-    assert isinstance(fmu, Mock)
+    assert isinstance(fmu, InlineModel)
     return system.with_fmu(instance, replace(fmu, **changes))
 
 
@@ -52,7 +52,7 @@ def test_fmu_that_cannot_restore_steps_once_and_what_it_drives_is_extrapolated(r
 
 def test_circle_is_repeated_without_the_fmu_that_cannot_restore():
     """A third slave, which cannot, hears from the pair and answers it: the pair still agrees."""
-    echo = Mock(
+    echo = InlineModel(
         inputs={"v": "m/s"}, outputs={"force": "N"}, saves_state=False,
         initial=lambda p: 0.0,
         step=lambda x, u, rate, p, time, step: u["v"] + rate["v"] * step,
@@ -60,7 +60,7 @@ def test_circle_is_repeated_without_the_fmu_that_cannot_restore():
     )  # fmt: skip
     pair = oscillator(rates=False)
     other = pair.components["other"].fmu
-    assert isinstance(other, Mock)
+    assert isinstance(other, InlineModel)
     pushed = replace(
         other,
         inputs={**other.inputs, "push": "N"},
@@ -96,7 +96,7 @@ def test_step_that_does_not_converge_is_told_and_what_came_before_is_kept(tmp_pa
     """The damper grows too stiff for the fixed point on the way."""
     system = two_mass(0.5, 0.01)
     other = system.components["other"].fmu
-    assert isinstance(other, Mock)
+    assert isinstance(other, InlineModel)
 
     def output(x, u, p):
         found = other.output(x, u, p)

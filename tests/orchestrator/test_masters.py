@@ -10,7 +10,7 @@ from coupled_mocks import damped_mass, damper, largest_displacement_error, order
 from orchestrator import (
     Component,
     Connection,
-    Mock,
+    InlineModel,
     System,
     simulate,
 )
@@ -130,13 +130,13 @@ def test_units_are_converted_in_values_rates_and_tangents():
 
 def test_chain_of_feedthrough_is_evaluated_in_order_at_every_communication_point():
     """A source and three gains, listed backwards: all show the same instant."""
-    doubling = Mock(
+    doubling = InlineModel(
         inputs={"u": "1"},
         outputs={"y": "1"},
         depends={"y": ("u",)},
         output=lambda x, u, p: {"y": 2.0 * u["u"]},
     )
-    clock = Mock(
+    clock = InlineModel(
         outputs={"y": "1"},
         initial=lambda p: 0.0,
         step=lambda x, u, rate, p, time, step: time + step,

@@ -12,7 +12,7 @@ from coupled_mocks import largest_displacement_error, order, oscillator
 from orchestrator import (
     Component,
     Connection,
-    Mock,
+    InlineModel,
     OrchestratorError,
     System,
     simulate,
@@ -55,13 +55,13 @@ def counting(steps: list[tuple[float, float]]) -> System:
         steps.append((time, step))
         return time + step
 
-    clock = Mock(
+    clock = InlineModel(
         outputs={"y": "m"},
         initial=lambda p: 0.0,
         step=step,
         output=lambda x, u, p: {"y": x * x},
     )
-    reader = Mock(inputs={"u": "m"}, outputs={"y": "m"}, depends={"y": ("u",)},
+    reader = InlineModel(inputs={"u": "m"}, outputs={"y": "m"}, depends={"y": ("u",)},
                   output=lambda x, u, p: {"y": u["u"]})  # fmt: skip
     return System(
         {"clock": Component(clock, every=4), "reader": Component(reader)},

@@ -9,7 +9,7 @@ from typed_slaves import build_fmi2, build_fmi3
 from orchestrator import (
     Component,
     Connection,
-    Mock,
+    InlineModel,
     OrchestratorError,
     Port,
     PortMap,
@@ -30,9 +30,9 @@ def three(tmp_path_factory):
     return build_fmi3(tmp_path_factory.mktemp("three"))
 
 
-def ramp(unit: str = "m/s") -> Mock:
+def ramp(unit: str = "m/s") -> InlineModel:
     """v = 2 t."""
-    return Mock(
+    return InlineModel(
         outputs={"v": unit},
         initial=lambda p: 0.0,
         step=lambda x, u, rate, p, time, step: x + 2.0 * step,
@@ -77,7 +77,7 @@ def test_start_values_and_limits_go_through_the_map(two):
 
 def test_missing_velocity_is_the_second_order_difference_of_the_position(three):
     """Of a parabola it is exact from the second step on; the first step has two points only."""
-    own = Mock(outputs={"x": "m", "vx": "m/s"}, derivative_of={"vx": "x"}).description
+    own = InlineModel(outputs={"x": "m", "vx": "m/s"}, derivative_of={"vx": "x"}).description
     ports = PortMap({"x": Port("position")}).fitted(own, describe(three), {"x", "vx"})
     assert ports.rates == {"vx": "x"}
     run = run_of(three, ports, ("ramp.v", "a.rate"))
@@ -90,7 +90,7 @@ def test_missing_velocity_is_the_second_order_difference_of_the_position(three):
 def test_difference_converges_with_the_square_of_the_step(three):
     """x = integral of sin t: the error is a third of H^2 times the third derivative, less the
     twelfth by which the integral over straight lines is wrong."""
-    sine = Mock(
+    sine = InlineModel(
         outputs={"v": "m/s", "a": "m/s2"},
         derivative_of={"a": "v"},
         initial=lambda p: 0.0,
@@ -214,7 +214,7 @@ def test_map_that_does_not_fit_the_fmu(three, ports, message):
     ],
 )
 def test_map_that_does_not_fit_what_is_replaced(three, ports, message):
-    own = Mock(outputs={"x": "m"}).description
+    own = InlineModel(outputs={"x": "m"}).description
     with pytest.raises(OrchestratorError) as caught:
         PortMap(ports).fitted(own, describe(three), {"x"})
     assert str(caught.value) == message

@@ -10,7 +10,7 @@ from coupled_mocks import damped_mass, mass, oscillator
 from orchestrator import (
     Component,
     Connection,
-    Mock,
+    InlineModel,
     OrchestratorError,
     PowerBond,
     System,
@@ -80,8 +80,8 @@ def test_connection_that_does_not_fit(source, target, message):
 
 
 def test_unit_mismatch_names_the_outputs_that_would_fit():
-    body = Mock(inputs={"force_y": "N"})
-    truck = Mock(outputs={"force_y": "N", "force_z": "N", "moment_z": "N.m"})
+    body = InlineModel(inputs={"force_y": "N"})
+    truck = InlineModel(outputs={"force_y": "N", "force_z": "N", "moment_z": "N.m"})
     system = System(
         {"carbody": Component(body), "truck": Component(truck)},
         (Connection("truck.moment_z", "carbody.force_y"),),
@@ -94,7 +94,10 @@ def test_unit_mismatch_names_the_outputs_that_would_fit():
 
 def test_unit_that_nobody_knows():
     system = System(
-        {"a": Component(Mock(outputs={"y": "zorkmid"})), "b": Component(Mock(inputs={"u": "m"}))},
+        {
+            "a": Component(InlineModel(outputs={"y": "zorkmid"})),
+            "b": Component(InlineModel(inputs={"u": "m"})),
+        },
         (Connection("a.y", "b.u"),),
     )
     assert refusal(system) == (

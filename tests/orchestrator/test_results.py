@@ -12,7 +12,7 @@ from coupled_mocks import damped_mass, oscillator
 
 from orchestrator import (
     Component,
-    Mock,
+    InlineModel,
     OrchestratorError,
     System,
     simulate,
@@ -46,7 +46,9 @@ def test_selection_by_name_and_pattern_keeps_the_answer():
 
 
 def test_open_input_is_recorded_as_what_it_stood_at():
-    system = System({"m": Component(Mock(inputs={"force": "N"}))}).with_value("m.force", "2 kN")
+    system = System({"m": Component(InlineModel(inputs={"force": "N"}))}).with_value(
+        "m.force", "2 kN"
+    )
     run = simulate(system, duration=0.1, step=0.01)
     np.testing.assert_array_equal(run.dataset["m.force"], np.full(11, 2000.0))
 
@@ -79,7 +81,7 @@ def test_folder_that_cannot_be_written(tmp_path):
 
 def test_writing_a_long_record_takes_no_time(tmp_path):
     names = {f"y{n}": "m" for n in range(250)}
-    mock = Mock(outputs=names, output=lambda x, u, p: dict.fromkeys(names, 1.0))
+    mock = InlineModel(outputs=names, output=lambda x, u, p: dict.fromkeys(names, 1.0))
     run = simulate(System({"m": Component(mock)}), duration=0.01, step=0.01)
     run.time, run.record = np.arange(8001) * 1e-3, np.zeros((8001, 250))
     assert run.dataset.sizes["time"] == 8001

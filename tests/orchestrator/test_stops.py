@@ -11,7 +11,7 @@ import pytest
 from orchestrator import (
     Component,
     Connection,
-    Mock,
+    InlineModel,
     System,
     simulate,
 )
@@ -24,13 +24,13 @@ def counter(fail=lambda time: None, output=lambda x: x) -> System:
         fail(time)
         return time + step
 
-    slave = Mock(
+    slave = InlineModel(
         outputs={"y": "s"},
         initial=lambda p: 0.0,
         step=step,
         output=lambda x, u, p: {"y": output(x)},
     )
-    reader = Mock(inputs={"u": "s"}, outputs={"y": "s"}, depends={"y": ("u",)},
+    reader = InlineModel(inputs={"u": "s"}, outputs={"y": "s"}, depends={"y": ("u",)},
                   output=lambda x, u, p: {"y": u["u"]})  # fmt: skip
     return System(
         {"clock": Component(slave), "reader": Component(reader)},

@@ -13,8 +13,8 @@ from orchestrator import (
     Component,
     Connection,
     Experiment,
+    InlineModel,
     Linear,
-    Mock,
     OrchestratorError,
     System,
     Table,
@@ -23,14 +23,14 @@ from orchestrator import (
 from orchestrator.system.transformation import composed
 
 
-def thermometer(unit: str) -> Mock:
-    return Mock(
+def thermometer(unit: str) -> InlineModel:
+    return InlineModel(
         outputs={"t": unit}, start={"level": 20.0}, output=lambda x, u, p: {"t": p["level"]}
     )
 
 
-def display(unit: str) -> Mock:
-    return Mock(
+def display(unit: str) -> InlineModel:
+    return InlineModel(
         inputs={"t": unit},
         outputs={"shown": unit},
         depends={"shown": ("t",)},

@@ -11,7 +11,7 @@ from typed_slaves import TYPES, build_fmi2, build_fmi3, fmi2_description, fmi3_d
 from orchestrator import (
     Component,
     Connection,
-    Mock,
+    InlineModel,
     OrchestratorError,
     System,
     describe,
@@ -39,7 +39,7 @@ def eventful(tmp_path_factory):
 def source(**outputs: float) -> Component:
     """Constant outputs of type Real."""
     return Component(
-        Mock(outputs=dict.fromkeys(outputs, "m/s"), output=lambda x, u, p: {**outputs})
+        InlineModel(outputs=dict.fromkeys(outputs, "m/s"), output=lambda x, u, p: {**outputs})
     )
 
 
@@ -176,7 +176,7 @@ def test_structural_parameter_resizes_arrays(three):
 
 def test_inputs_move_along_a_line_in_both_versions(three):
     """position' = rate, led by a rate that another FMU knows at both ends: 2 t, exactly."""
-    ramp = Mock(
+    ramp = InlineModel(
         outputs={"v": "m/s"},
         initial=lambda p: 0.0,
         step=lambda x, u, rate, p, time, step: x + 2.0 * step,
@@ -191,7 +191,7 @@ def test_inputs_move_along_a_line_in_both_versions(three):
 
 
 def test_directional_derivatives_of_array_elements(three):
-    from orchestrator.slaves import abi as ffi
+    from orchestrator.slaves import calls as ffi
     from orchestrator.slaves.fmi3 import Fmi3Slave
     from orchestrator.slaves.loading import unzip
 

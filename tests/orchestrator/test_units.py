@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 import tolerances
 
-from orchestrator.errors import UnitError
+from orchestrator.errors import DimensionError, UnitError
 from orchestrator.fmu.units import (
     BaseUnit,
+    Quantity,
     conversion,
-    quantity,
     scale_of,
 )
 
@@ -58,8 +58,17 @@ def test_unit_that_the_fmu_defines_means_what_it_says():
 
 
 def test_quantity_is_a_number_and_a_unit():
-    assert quantity("200 lbf/in") == (200.0, "lbf/in")
-    assert quantity("-1.5e-3mm") == (-1.5e-3, "mm")
-    assert quantity("7") == (7.0, "")
+    assert Quantity.parsed("200 lbf/in") == Quantity(200.0, "lbf/in")
+    assert Quantity.parsed("-1.5e-3mm") == Quantity(-1.5e-3, "mm")
+    assert Quantity.parsed("7") == Quantity(7.0)
     with pytest.raises(UnitError, match="'seven mm' is no number with a unit"):
-        quantity("seven mm")
+        Quantity.parsed("seven mm")
+
+
+def test_quantity_converts_to_what_measures_the_same():
+    speed = Quantity.parsed("36 km/h")
+    assert speed.to("m/s") == pytest.approx(10.0, rel=tolerances.ROUNDING)
+    assert Quantity(20.0, "degC").to("K") == pytest.approx(293.15, rel=tolerances.ROUNDING)
+    assert (Quantity(1.0, "lb").dimension, Quantity(1.0).dimension) == ("[mass]", "dimensionless")
+    with pytest.raises(DimensionError, match=r"36 km/h .* cannot be in kg"):
+        speed.to("kg")

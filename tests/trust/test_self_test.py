@@ -10,7 +10,7 @@ from coupled_mocks import damper, mass
 from orchestrator import (
     Component,
     Connection,
-    Mock,
+    InlineModel,
     System,
     simulate,
 )
@@ -24,7 +24,7 @@ from tracktrain.car.hopper import (
 
 
 def checked(**mock):
-    return self_test(Component(Mock(**mock)))
+    return self_test(Component(InlineModel(**mock)))
 
 
 def errors(found) -> dict[str, str]:
@@ -46,7 +46,7 @@ COUNTER = {
 
 
 def test_honest_mocks_pass():
-    for component in (damper(10.0), mass(), Mock(**COUNTER)):
+    for component in (damper(10.0), mass(), InlineModel(**COUNTER)):
         found = self_test(Component(component))
         assert found.findings == ()
     assert found.passed == ("units", "determinism", "rollback", "dependencies")
@@ -97,7 +97,7 @@ def test_a_wrong_derivative_is_found_out_with_both_numbers():
 
 
 def test_a_kink_is_no_wrong_derivative():
-    kink = Mock(
+    kink = InlineModel(
         inputs={"v": "m/s"},
         outputs={"force": "N"},
         depends={"force": ("v",)},
@@ -131,7 +131,7 @@ def test_an_fmu_whose_states_lie_is_not_rolled_back():
         x[0] += step * u["force"]
         return x
 
-    forgetful = Mock(step=step, output=lambda x, u, p: {"v": x[0]}, **hidden)
+    forgetful = InlineModel(step=step, output=lambda x, u, p: {"v": x[0]}, **hidden)
     system = System(
         {"damper": Component(damper(1.0)), "mass": Component(forgetful)},
         (Connection("damper.force", "mass.force"), Connection("mass.v", "damper.v")),

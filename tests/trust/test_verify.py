@@ -10,7 +10,7 @@ from coupled_mocks import damped_mass, oscillator, oscillator_reference
 from orchestrator import (
     Component,
     Connection,
-    Mock,
+    InlineModel,
     System,
     verify,
 )
@@ -59,7 +59,7 @@ def test_held_inputs_are_too_wrong_to_be_good():
 
 def test_what_has_no_order_is_said_to_have_none():
     """A map that doubles a phase each step: no step is small enough."""
-    chaotic = Mock(
+    chaotic = InlineModel(
         inputs={"u": "m"},
         outputs={"y": "m"},
         initial=lambda p: 0.3,

@@ -23,7 +23,6 @@ from .types import (
 if TYPE_CHECKING:
     from orchestrator import (
         Log,
-        Mock,
         System,
     )
 
@@ -138,7 +137,7 @@ def isolated(asked: Sequence[str], system: System) -> tuple[str, ...]:
         if name == "all":
             chosen |= {*system.components}
         elif name == "foreign":
-            chosen |= {i for i, c in system.components.items() if not _is_ours(c.fmu)}
+            chosen |= {i for i, c in system.components.items() if c.file and not _is_ours(c.file)}
         elif name in system.components:
             chosen.add(name)
         else:
@@ -149,12 +148,10 @@ def isolated(asked: Sequence[str], system: System) -> tuple[str, ...]:
     return tuple(name for name in system.components if name in chosen)
 
 
-def _is_ours(fmu: Path | Mock) -> bool:
+def _is_ours(fmu: Path) -> bool:
     """Whether an FMU is the catalogue's, also as a copy elsewhere."""
     from fmus.catalogue import fmu_path
     from fmus.names import NAMES
     from orchestrator import describe
 
-    if not isinstance(fmu, Path):
-        return True
     return describe(fmu).sha256 in {describe(fmu_path(name)).sha256 for name in NAMES}

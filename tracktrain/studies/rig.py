@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from orchestrator import (
-        Mock,
+        InlineModel,
         Run,
     )
     from orchestrator.system.system import Value
@@ -25,19 +25,19 @@ def rig(
     law: Callable[[float, Signals], Signals],
     rates: Mapping[str, str] | None = None,
     depends: Mapping[str, tuple[str, ...]] | None = None,
-) -> Mock:
+) -> InlineModel:
     """A rig that gives law(time [s], inputs) -> outputs; both with their units.
 
     The law must be linear in the inputs. depends: for each output the inputs that it depends on;
     rates: for an output the one that it is the rate of.
     """
-    from orchestrator import Mock
+    from orchestrator import InlineModel
 
     def along(time: float, u: Signals, p: Signals, seed: Signals) -> Signals:
         base, moved = law(time, u), law(time, {name: u[name] + seed[name] for name in u})
         return {name: moved[name] - base[name] for name in base}
 
-    return Mock(
+    return InlineModel(
         outputs=outputs,
         inputs=inputs,
         derivative_of=rates or {},
@@ -73,7 +73,7 @@ def completed(run: Run, what: str) -> Run:
 def run_on_rig(
     fmu: Path,
     parameters: Mapping[str, Value],
-    stand: Mock,
+    stand: InlineModel,
     duration: float,
     step: float = 1e-3,
 ) -> Run:

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from orchestrator import Mock
+    from orchestrator import InlineModel
 
 LOADS = (20.0, 50.0, 100.0)
 """Vertical loads on the bolster [kip], report section 4.2.4."""
@@ -156,7 +156,7 @@ Examples:
 )(truck_hysteresis)
 
 
-def _stand(drive: str, values: Values, load: float, period: float) -> Mock:
+def _stand(drive: str, values: Values, load: float, period: float) -> InlineModel:
     """The rig: the carbody's motion, and actuators that hold the axles or rack them."""
     relief = _static_load(values) - 1e3 * POUND_FORCE * load
     height = (

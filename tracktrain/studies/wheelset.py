@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     from fmus.wheelrail.rig import Restraint
     from orchestrator import (
-        Mock,
+        InlineModel,
         Run,
     )
     from orchestrator.system.system import Value
@@ -209,12 +209,12 @@ class _Stand:
         return completed(run, f"the wheelset at {speed:g} m/s")
 
 
-def _mass_on_wheelsets(frame: Frame) -> Mock:
+def _mass_on_wheelsets(frame: Frame) -> InlineModel:
     """The frame as a component: exact under loads linear in time and in its motion."""
     from scipy.linalg import expm
 
     from orchestrator import (
-        Mock,
+        InlineModel,
         Tangent,
     )
 
@@ -266,7 +266,7 @@ def _mass_on_wheelsets(frame: Frame) -> Mock:
     def per(load: str, own: str) -> str:
         return f"{LOADS[load]}/({MOTION[own]})"
 
-    return Mock(
+    return InlineModel(
         outputs={f"axle[{k}].{n}": unit for k in axles for n, unit in MOTION.items()},
         inputs={f"axle[{k}].{n}": unit for k in axles for n, unit in LOADS.items()}
         | {name: per(load, own) for name, (_, load, own) in partials.items()},

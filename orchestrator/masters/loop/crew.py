@@ -20,10 +20,9 @@ from numba import types
 from numba.extending import intrinsic, register_jitable
 
 from ...plan.plan import Plan
-from ...slaves.abi import _call as call
 from ...slaves.base import Slave
+from ...slaves.calls import _call as call
 from ...slaves.fmu import address_of
-from ...slaves.inline import MockSlave
 from .tables import (
     Ints,
     Prepared,
@@ -78,7 +77,7 @@ def bound(plan: Plan, slaves: Sequence[Slave]) -> list[int]:
     return [
         i
         for i, (slave, description) in enumerate(zip(slaves, plan.descriptions, strict=True))
-        if description.single_instance or description.needs_tool or isinstance(slave, MockSlave)
+        if description.single_instance or description.needs_tool or slave.in_python
     ]
 
 

@@ -20,7 +20,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from ...plan.plan import Plan
-from ...slaves import abi as ffi
+from ...slaves import calls as ffi
 from ...slaves.base import Slave
 from ..coupling import (
     Coupling,

@@ -14,7 +14,7 @@ from ...plan.plan import (
     Link,
     Plan,
 )
-from ...slaves import abi as ffi
+from ...slaves import calls as ffi
 from ..coupling import (
     Coupling,
     Way,

@@ -20,7 +20,7 @@ from ...plan.plan import (
     Plan,
     columns_of,
 )
-from ...slaves import abi as ffi
+from ...slaves import calls as ffi
 from ...slaves.base import Slave
 from ...slaves.compiled import (
     kept,

@@ -6,7 +6,7 @@ import numpy as np
 from numba import carray
 from numba.extending import register_jitable
 
-from ..abi import _call as call
+from ..calls import _call as call
 from .memory import (
     EXACT,
     F8,

@@ -12,7 +12,7 @@ from typing import Any
 from numba import carray, cfunc, int32
 from numba.extending import register_jitable
 
-from ..abi import _call as call
+from ..calls import _call as call
 from ..compiled import kept
 from .access import (
     DISCARD,

@@ -12,7 +12,7 @@ from ...fmu.description import (
     Description,
     Variable,
 )
-from ..base import Addresses
+from ..abi import Addresses
 from . import (
     adaptors,
     memory,

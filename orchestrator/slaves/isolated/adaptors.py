@@ -12,7 +12,7 @@ import numpy as np
 from numba import carray, cfunc, int32
 from numba.extending import register_jitable
 
-from ..abi import _call as call
+from ..calls import _call as call
 from . import block as b
 
 OK, ERROR, FATAL = 0, 3, 4

@@ -30,12 +30,12 @@ from ...fmu.description import (
     Variable,
 )
 from ...system.system import Value
+from ..abi import Addresses
 from ..base import (
-    Addresses,
-    Logger,
     Slave,
     Status,
 )
+from ..listener import Listener
 from . import block as b
 
 KEPT = 2000
@@ -56,12 +56,12 @@ class IsolatedSlave(Slave):
         name: str,
         description: Description,
         folder: Path,
-        logger: Logger | None,
+        listener: Listener | None,
         timeout: float,
     ) -> None:
         if os.name != "posix":
             raise SlaveError(f"{name} cannot be isolated on this system: Linux or macOS is needed")
-        super().__init__(name, description, logger)
+        super().__init__(name, description, listener)
         self._timeout = timeout
         self._printed = b""
         self._heard_lines = 0
@@ -88,10 +88,10 @@ class IsolatedSlave(Slave):
         their_control.close()
         os.close(their_log)
         assert self._process.stdout is not None
-        self._listener = threading.Thread(
+        self._reader = threading.Thread(
             target=self._listen, args=(self._process.stdout.fileno(), log), daemon=True
         )
-        self._listener.start()
+        self._reader.start()
         self._share()
         self._ask("load", name, description, folder)
 
@@ -257,7 +257,7 @@ class IsolatedSlave(Slave):
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
-        self._listener.join(1.0)
+        self._reader.join(1.0)
 
     def _listen(self, output: int, log: int) -> None:
         """Read what the worker prints and logs until it ends."""
@@ -285,7 +285,7 @@ class IsolatedSlave(Slave):
         until = time.monotonic() + 1.0
         while (
             self._heard_lines < self._slots[b.LINES]
-            and self._listener.is_alive()
+            and self._reader.is_alive()
             and time.monotonic() < until
         ):
             time.sleep(1e-3)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from orchestrator import (
-        Mock,
+        InlineModel,
         Session,
         System,
     )
@@ -180,8 +180,8 @@ class _Drive:
             self.place, self.held, self.first = self.place + 1, 0.0, 0.0
 
 
-def _driver(speeds: Sequence[float], longest: float) -> Mock:
-    from orchestrator import Mock
+def _driver(speeds: Sequence[float], longest: float) -> InlineModel:
+    from orchestrator import InlineModel
 
     def step(
         x: _Drive, u: Mapping[str, float], rate: object, p: object, time: float, step: float
@@ -189,7 +189,7 @@ def _driver(speeds: Sequence[float], longest: float) -> Mock:
         x.move(u["y"], step)
         return x
 
-    return Mock(
+    return InlineModel(
         outputs={"speed": "m/s", "plateau": "1"},
         inputs={"y": "m"},
         initial=lambda p: _Drive(speeds, longest),
