@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import platform
 from functools import cache
 from pathlib import Path
 
@@ -73,6 +74,4 @@ def _is_current(place: Path) -> bool:
 
 
 def _stamp() -> str:
-    import platform
-
     return f"{source_hash()} {platform.system()} {platform.machine()}\n"

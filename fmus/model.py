@@ -9,15 +9,7 @@ import copy
 from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from typing import Any
 
-from .describe.variables import (
-    Array,
-    Constant,
-    Input,
-    Output,
-    Parameter,
-    Tangent,
-    Variable,
-)
+from .describe.variables import Array, Constant, Input, Output, Parameter, Tangent, Variable
 
 __all__ = ["Input", "Model", "Output", "Parameter", "Tangent", "Values"]
 

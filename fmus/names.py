@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-NAMES = ("carbody", "truck", "wheelrail", "track")
+from pathlib import Path
 
+DOWNWARDS = ("carbody", "truck", "wheelrail", "track")
+"""Blocks in the order in which they are listed; others follow by their names."""
+
+_FOUND = (path.parent for path in Path(__file__).parent.glob("*/block.py"))
+_OWN = {folder.name for folder in _FOUND if (folder / "README.md").exists()}
+
+NAMES = (*(name for name in DOWNWARDS if name in _OWN), *sorted(_OWN - set(DOWNWARDS)))
+"""The blocks: each folder here with equations, `block.py`, and the README that numbers them."""
 
 SUFFIX = {"2.0": "", "3.0": "_fmi3"}
 """What follows a block's name in the name of its FMU, by version of FMI."""
-
 
 FMI_VERSIONS = tuple(SUFFIX)

@@ -34,11 +34,10 @@ def test_the_two_halves_do_not_know_each_other(package, stranger):
 
 
 def test_each_blocks_folder_has_the_same_shape():
+    shape = {"__init__.py", "block.py", "experiment.py", "README.md", "reference"}
+    shape |= {f"{drawing}.{kind}" for drawing in ("icon", "diagram") for kind in ("svg", "png")}
     for name in fmus.BLOCKS:
-        folder = ROOT / "fmus" / name
-        assert {"__init__.py", "block.py", "rig.py", "README.md"} <= {
-            p.name for p in folder.iterdir()
-        }
+        assert shape <= {path.name for path in (ROOT / "fmus" / name).iterdir()}
 
 
 def test_python_files_stay_short():

@@ -7,27 +7,10 @@ from math import cos, cosh, pi
 
 import casadi as ca
 
-from ..describe.block import (
-    Block,
-    Input,
-    Output,
-    Parameter,
-    Signals,
-    State,
-)
-from ..describe.terminals import (
-    CENTRE_PLATE,
-    Terminal,
-)
-from ..describe.variables import (
-    Array,
-    Constant,
-    vector,
-)
-from .oscillator import (
-    oscillator,
-    rigid,
-)
+from ..describe.block import Block, Input, Output, Parameter, Signals, State
+from ..describe.terminals import CENTRE_PLATE, Terminal
+from ..describe.variables import Array, Constant, vector
+from .oscillator import oscillator, rigid
 
 MODAL = "kg^(1/2).m"
 """Unit of a modal coordinate, a name alone: FMI's whole exponents cannot define it."""

@@ -7,7 +7,7 @@ Python twin, the exact directional derivatives and the declared dependencies.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -15,15 +15,7 @@ import casadi as ca
 import numpy as np
 
 from .terminals import Terminal
-from .variables import (
-    Array,
-    Constant,
-    Input,
-    Output,
-    Parameter,
-    Tangent,
-    Variable,
-)
+from .variables import Array, Constant, Input, Output, Parameter, Tangent, Variable
 
 Signals = Mapping[str, ca.SX]
 """Symbols or expressions by name: scalars, or for derived constants matrices of any shape."""
@@ -193,6 +185,23 @@ class Block:
         """Variables that are no ports: derivatives that are no outputs, then the memory."""
         own = [v for v in self.derivatives if v not in self.outputs]
         return [*own, *self.memory]
+
+    @property
+    def all_arrays(self) -> list[Array]:
+        """The block's arrays, and those of the derivatives of an array of states."""
+        states, derivatives = ([v.name for v in g] for g in (self.continuous, self.derivatives))
+        rates = dict(zip(states, derivatives, strict=True))
+        of_rates = (
+            replace(
+                array,
+                name=f"der({array.name})",
+                description=f"{array.description}; time derivatives",
+                members=tuple(rates[m] for m in array.members),
+            )
+            for array in self.arrays
+            if all(rates.get(member) == f"der({member})" for member in array.members)
+        )
+        return [*self.arrays, *of_rates]
 
     @property
     def indicators(self) -> list[str]:

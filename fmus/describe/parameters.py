@@ -13,20 +13,15 @@ from typing import Any
 import pint
 
 from ..errors import ParameterError
-from .block import (
-    Block,
-    Parameter,
-)
-from .units import (
-    REGISTRY,
-    parse,
-)
+from ..names import NAMES
+from .block import Block, Parameter
+from .units import REGISTRY, parse
 
 FOLDER = Path(__file__).parents[1] / "parameters"
 DEFAULT_SET = "loaded"
 PARAMETER_SETS = (DEFAULT_SET, "empty", "report-linear")
 SHARED = "vehicle"
-TABLES = (SHARED, "carbody", "truck", "wheelrail", "track")
+TABLES = (SHARED, *NAMES)
 BASES = ("published", "measured", "derived", "common practice", "assumed", "estimate")
 NO_STOP = 1e3
 """Free play [m or rad] that `inf` in a file becomes, since an FMU's numbers are finite."""

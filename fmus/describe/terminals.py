@@ -6,10 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from .variables import (
-    Input,
-    Variable,
-)
+from .variables import Input, Variable
 
 DOMAIN = "org.tracktrain"
 """What the names of our kinds of terminal begin with."""

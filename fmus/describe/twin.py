@@ -1,32 +1,27 @@
-"""The Python twin of a block's FMU: the same functions, called in the same order, in Python.
-
-`Twin` is for scripts and tests; `TwinModel` is the twin as a model, which becomes a Python FMU.
-"""
+"""The Python twin of a block's FMU: the same functions, called in the same order, in Python."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, MutableMapping
-from functools import cache
-from typing import Any
+from collections.abc import Mapping
 
 import casadi as ca
 import numpy as np
 
-from ..model import (
-    Model,
-    Values,
-)
 from .block import Block
+
+Values = Mapping[str, float]
+"""Numbers [SI] by the names of variables."""
 
 
 class Twin:
     """One instance of a block, run by CasADi's virtual machine.
 
-    values: parameter values [SI] by name, all of them. Inputs start at their start values.
+    values: parameter values [SI] by name, all of them.
+    inputs: those that do not begin at their start values [SI].
     """
 
-    def __init__(self, block: Block, values: Mapping[str, float]) -> None:
+    def __init__(self, block: Block, values: Values, inputs: Values | None = None) -> None:
         self.block = block
         self.time = 0.0
         self.p = block.parameter_vector(values)
@@ -39,8 +34,10 @@ class Twin:
         self._input = {v.name: i for i, v in enumerate(block.inputs)}
         self._output = {v.name: i for i, v in enumerate(block.outputs)}
         self._pages: dict[int, np.ndarray] = {}
+        for name, value in (inputs or {}).items():
+            self.set(name, value)
 
-    def set_parameters(self, values: Mapping[str, float]) -> None:
+    def set_parameters(self, values: Values) -> None:
         """Change the parameters [SI], all of them given, and keep the state."""
         p = self.block.parameter_vector(values)
         if self.d.is_empty() or not np.array_equal(p, self.p):
@@ -99,7 +96,7 @@ class Twin:
         self.x[len(self._state) :] = _array(memory)
         self.mode = _array(mode)
 
-    def directional(self, seed: Mapping[str, float]) -> np.ndarray:
+    def directional(self, seed: Values) -> np.ndarray:
         """Derivatives along the seed of all outputs, then of the states' time derivatives.
 
         seed: direction by name, of inputs and continuous states.
@@ -135,52 +132,6 @@ class Twin:
         if number not in self._pages:
             self._pages[number] = np.array(self.block.table.page(number, self.d))
         return self._pages[number][:, place]
-
-
-class TwinModel(Model):
-    """A block's twin behind the surface of a plain model. values: of all parameters [SI]."""
-
-    def __init__(self, kind: Callable[[], Block], values: Values) -> None:
-        block = _built(kind)
-        self.description = block.description
-        self.parameters, self.inputs, self.outputs = block.parameters, block.inputs, block.outputs
-        self.tangents = block.tangents
-        self._twin = Twin(block, values)
-
-    @property
-    def name(self) -> str:
-        return self._twin.block.name
-
-    def start(self, p: Values, u: Values) -> None:
-        self._give(p, u)
-        self._twin.initialize()
-
-    def step(self, p: Values, u: MutableMapping[str, float], time: float, size: float) -> None:
-        """Advance; inputs that have a tangent follow the block's own motion."""
-        self._give(p, u)
-        self._twin.step(size)
-        u.update(zip(u, self._twin.u.tolist(), strict=True))
-
-    def output(self, p: Values, u: Values) -> Values:
-        self._give(p, u)
-        names = (output.name for output in self.outputs)
-        return dict(zip(names, self._twin.outputs().tolist(), strict=True))
-
-    def save(self) -> dict[str, Any]:
-        return {"x": self._twin.x.copy()}
-
-    def restore(self, state: Mapping[str, Any]) -> None:
-        self._twin.x = state["x"].copy()
-
-    def _give(self, p: Values, u: Values) -> None:
-        self._twin.set_parameters(p)
-        self._twin.u = np.array(list(u.values()))
-
-
-@cache
-def _built(kind: Callable[[], Block]) -> Block:
-    """The block, whose functions all its instances in a process share."""
-    return kind()
 
 
 def _array(value: ca.DM) -> np.ndarray:

@@ -12,35 +12,16 @@ from pathlib import Path
 
 from .. import BLOCKS
 from ..describe.block import Block
-from ..describe.parameters import (
-    DEFAULT_SET,
-    parameter_set,
-)
-from ..names import (
-    FMI_VERSIONS,
-    SUFFIX,
-)
+from ..describe.parameters import DEFAULT_SET, parameter_set
+from ..names import FMI_VERSIONS, SUFFIX
 from . import code
 from .accompanying import accompanying_files
-from .archive import (
-    NO_GUID,
-    guid,
-    write_archive,
-)
-from .compiler import (
-    FLAGS,
-    Target,
-    compile_library,
-    targets,
-)
-from .xml import (
-    description,
-    description3,
-)
+from .archive import NO_GUID, guid, write_archive
+from .compiler import FLAGS, Target, compile_library, targets
+from .xml import fmi2, fmi3
 from .xml.build_description import build_description
 
-VERSION = "0.1.0"
-DESCRIPTIONS = {"2.0": description.model_description, "3.0": description3.model_description}
+DESCRIPTIONS = {"2.0": fmi2.model_description, "3.0": fmi3.model_description}
 
 
 @dataclass(frozen=True)
@@ -78,7 +59,7 @@ def contents(block: Block, versions: Iterable[str]) -> list[Contents]:
     start = parameters.values(block)
     found = []
     for fmi in versions:
-        xml = DESCRIPTIONS[fmi](block, start, NO_GUID, VERSION)
+        xml = DESCRIPTIONS[fmi](block, start)
         sources = code.sources(block, start, fmi, NO_GUID)
         own = _guid(xml, sources)
         texts = {

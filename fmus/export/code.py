@@ -10,19 +10,9 @@ from pathlib import Path
 
 import casadi as ca
 
-from ..describe.block import (
-    Block,
-    Variable,
-)
-from ..describe.variables import (
-    MAX,
-    limits,
-)
-from .tables import (
-    array_tables,
-    c_tables,
-)
-from .xml.model_variables import arrays
+from ..describe.block import Block, Variable
+from ..describe.variables import MAX, limits
+from .tables import array_tables, c_tables
 
 NATIVE = Path(__file__).parent / "native"
 QUIET = """\
@@ -116,7 +106,7 @@ def _counts(block: Block) -> str:
         "N_MODES": len(block.modes),
         "N_LOCALS": len(block.locals),
         "N_CONSTANTS": len(block.constants),
-        "N_ARRAYS": len(arrays(block)),
+        "N_ARRAYS": len(block.all_arrays),
         "N_INDICATORS": block.functions.event_indicators.numel_out(),
         "N_DERIVED": block.functions.derived.numel_out(0),
         "TABLE_STATIONS": table.station_count if table else 0,

@@ -9,14 +9,9 @@ from xml.etree import ElementTree
 
 from markdown_it import MarkdownIt
 
-from ..describe.block import (
-    Block,
-    Parameter,
-    Variable,
-)
+from ..describe.block import Block, Parameter, Variable
 from ..describe.parameters import ParameterSet
 from ..model import Model
-from .xml.model_variables import arrays
 
 STYLE = """
 :root { --ink: #26323d; --faint: #5d6b78; --line: #d5dde4; --tint: #f3f6f9; --accent: #1f5fa8 }
@@ -140,7 +135,7 @@ def documentation(
 
 
 def _arrays(block: Block) -> str:
-    rows = [(a.name, " x ".join(map(str, a.shape)), a.description) for a in arrays(block)]
+    rows = [(a.name, " x ".join(map(str, a.shape)), a.description) for a in block.all_arrays]
     return _table(("name", "size", "meaning"), rows)
 
 

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 
 from ..describe.block import Block
 from .dependencies import dependencies
-from .xml.model_variables import arrays
 
 
 def c_tables(block: Block, header: str, tables: Mapping[str, Sequence[str]]) -> str:
@@ -21,7 +20,7 @@ def c_tables(block: Block, header: str, tables: Mapping[str, Sequence[str]]) -> 
 
 def array_tables(block: Block) -> str:
     """The file arrays.c: which scalars an array gathers, and what each scalar depends on."""
-    reference, gathered = block.references, arrays(block)
+    reference, gathered = block.references, block.all_arrays
     elements, first = [], [0]
     for array in gathered:
         elements += [str(reference[member]) for member in array.members]

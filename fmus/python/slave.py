@@ -9,6 +9,7 @@ to no finite numbers is discarded (fmi2Discard), and can be tried again with a s
 
 from __future__ import annotations
 
+import ctypes
 import functools
 import math
 import sys
@@ -21,19 +22,9 @@ from typing import Any
 from pythonfmu.enums import Fmi2Status
 from pythonfmu.fmi2slave import Fmi2Slave
 
-from ..describe.variables import (
-    Input,
-    Output,
-    Parameter,
-    Variable,
-    limits,
-)
+from ..describe.variables import Input, Output, Parameter, Variable, limits
 from ..model import Model
-from .stored import (
-    StateError,
-    from_bytes,
-    to_bytes,
-)
+from .stored import StateError, from_bytes, to_bytes
 
 INSTANTIATED, INITIALIZING, RUNNING, TERMINATED = "instantiated", "initializing", "running", "ended"
 ROUNDING = 1e-9
@@ -324,7 +315,5 @@ def _fault(error: Exception) -> str:
 
 def _hold(*objects: object) -> None:
     """One more reference to each, that pythonfmu drops when an exception arrives."""
-    import ctypes
-
     for held in objects:
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(held))

@@ -6,32 +6,11 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from ..describe.block import (
-    Block,
-    Input,
-    Output,
-    Parameter,
-    Signals,
-    State,
-    Table,
-)
-from ..describe.terminals import (
-    RAILS,
-    Terminal,
-)
+from ..describe.block import Block, Input, Output, Parameter, Signals, State, Table
+from ..describe.terminals import RAILS, Terminal
 from ..describe.variables import Array
-from .irregularity import (
-    LINE_ROWS,
-    LINES,
-    NODES,
-    SPACING,
-    channel_lines,
-    page_function,
-)
-from .spectra import (
-    CHANNELS,
-    SPECTRA,
-)
+from .irregularity import LINE_ROWS, LINES, NODES, SPACING, channel_lines, page_function
+from .spectra import CHANNELS, SPECTRA
 
 AXLES = (1, 2, 3, 4)
 RAIL_MOTIONS = tuple(

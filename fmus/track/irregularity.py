@@ -5,21 +5,9 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from .random_numbers import (
-    draw,
-    stream_state,
-)
-from .spectra import (
-    CHANNELS,
-    amplitudes,
-    bin_variance,
-    corners,
-    grid_spacing,
-)
-from .trigonometry import (
-    TURN,
-    cosine_sine,
-)
+from .random_numbers import draw, stream_state
+from .spectra import CHANNELS, amplitudes, bin_variance, corners, grid_spacing
+from .trigonometry import TURN, cosine_sine
 
 LINES = 300
 """Lines of a channel, report (5-18)."""

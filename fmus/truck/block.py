@@ -7,10 +7,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from ..describe.block import (
-    Block,
-    Signals,
-)
+from ..describe.block import Block, Signals
 from ..describe.elements import (
     friction_force,
     slider_indicator,

@@ -14,11 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize, stats
 
-from ..describe.elements import (
-    friction_force,
-    slip_after,
-    spring_force,
-)
+from ..describe.elements import friction_force, slip_after, spring_force
 
 PARAMETERS = ("stiffness", "stop_stiffness", "friction_stiffness", "friction_limit", "free_play")
 """K0, K1, Kf, f, Delta, as the truck block calls them."""

@@ -7,26 +7,10 @@ from typing import Any
 
 import casadi as ca
 
-from ..describe.block import (
-    Block,
-    Input,
-    Output,
-    Parameter,
-    Signals,
-)
-from ..describe.terminals import (
-    RAILS,
-    WHEELSET,
-    Terminal,
-)
-from .creep import (
-    LAWS,
-    Law,
-)
-from .loaded_contact import (
-    loaded_contact,
-    static_contact,
-)
+from ..describe.block import Block, Input, Output, Parameter, Signals
+from ..describe.terminals import RAILS, WHEELSET, Terminal
+from .creep import LAWS, Law
+from .loaded_contact import loaded_contact, static_contact
 
 SIDES = {"left": 1, "right": -1}
 """Sides of the wheelset, with the sign of their y."""

@@ -21,9 +21,7 @@ def twin_of(values_of):
     """An initialised twin of a block with changed parameters and inputs."""
 
     def make(block: str, inputs=None, **changes) -> Twin:
-        twin = Twin(BLOCKS[block](), values_of(block) | changes)
-        for name, value in (inputs or {}).items():
-            twin.set(name, value)
+        twin = Twin(BLOCKS[block](), values_of(block) | changes, inputs)
         twin.initialize()
         return twin
 

@@ -8,11 +8,8 @@ import casadi as ca
 import numpy as np
 import pytest
 import tolerances
+from support.contact_rig import ContactRig, ellipse
 
-from fmus.wheelrail.contact_rig import (
-    ContactRig,
-    ellipse,
-)
 from fmus.wheelrail.creep import LAWS
 from fmus.wheelrail.kalker import coefficients
 

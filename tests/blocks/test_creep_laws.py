@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import tolerances
+from support.wheelset_rig import evaluate
 
 from fmus.wheelrail import WheelRail
 from fmus.wheelrail.block import CREEP_LAWS
-from fmus.wheelrail.rig import evaluate
 
 LOADED_LAWS = CREEP_LAWS[1:]
 SATURATING_LAWS = CREEP_LAWS[2:]

@@ -7,7 +7,7 @@ from math import pi, sin
 import numpy as np
 import pytest
 import tolerances
-from templates import template
+from templates import STARTS, template
 
 from fmus import BLOCKS
 from fmus.describe.parameters import parameter_set
@@ -58,6 +58,16 @@ class Pair:
 def common(pair: Pair) -> list[str]:
     names = {v.name for v in pair.block.outputs}
     return [v.name for v in pair.model.outputs if v.name in names]
+
+
+@pytest.mark.parametrize("name", STARTS)
+def test_a_template_has_the_ports_of_its_block(name):
+    """All inputs that have to be connected, and no output or unit that the block does not have."""
+    block, model = BLOCKS[name](), template(name)
+    inputs = {v.name: (v.unit, v.start) for v in block.inputs if not v.optional}
+    assert {v.name: (v.unit, v.start) for v in model.inputs} == inputs
+    outputs = {v.name: (v.unit, v.derivative_of) for v in block.outputs}
+    assert {v.name: (v.unit, v.derivative_of) for v in model.outputs}.items() <= outputs.items()
 
 
 def test_the_wheelset_is_the_block_with_linear_creep_and_no_flange():

@@ -7,7 +7,8 @@ import pytest
 from track_values import L_C, L_X, track_values
 
 from fmus.describe.twin import Twin
-from fmus.track import Track, rig
+from fmus.track import Track
+from fmus.track.realisation import realisation
 
 BEHIND = (0.0, 2 * L_X, 2 * L_C, 2 * L_C + 2 * L_X)
 RAILS = ("rail_y_left", "rail_y_right", "rail_z_left", "rail_z_right")
@@ -51,7 +52,7 @@ def test_an_axle_finds_what_the_leading_axle_found_there(axle, distance):
 
 def test_rails_are_the_four_channels_combined():
     values = track_values("fra5", fade_length=5.0)
-    track = rig.realisation(values, length=100.0)
+    track = realisation(values, length=100.0)
     a, v, xl, g = (float(c[800]) for c in track.data_vars.values())
     assert rails_at(values, 80.0)[0] == pytest.approx(
         [a + g / 2, a - g / 2, v + xl / 2, v - xl / 2], abs=1e-15

@@ -10,14 +10,15 @@ import tolerances
 from track_values import INCH, track_values
 
 from fmus.describe.twin import Twin
-from fmus.track import Track, rig
+from fmus.track import Track
+from fmus.track import realisation as rails
 from fmus.track.spectra import CHANNELS
 
 FOOT = 0.3048
 
 
 def direct_sum(values, channel, station):
-    frequency, phase, amplitude = rig.lines(values)[channel]
+    frequency, phase, amplitude = rails.lines(values)[channel]
     return np.cos(2 * np.pi * (np.outer(station, frequency) + phase)) @ amplitude
 
 
@@ -29,7 +30,7 @@ def correlation(a, b):
 @pytest.mark.parametrize("start", [0.0, 51200.0])
 def test_nodes_are_the_sum_of_the_lines(spectrum, start):
     values = track_values(spectrum)
-    track = rig.realisation(values, length=50.0, start=start)
+    track = rails.realisation(values, length=50.0, start=start)
     for channel in CHANNELS:
         expected = direct_sum(values, channel, track.station.values)
         assert np.abs(track[channel].values - expected).max() < 1e-12
@@ -55,8 +56,8 @@ def test_between_nodes_the_axle_feels_the_sum_of_the_lines(spectrum):
 def test_same_seed_is_the_same_track_to_the_last_bit():
     # A change here changes every user's track: it is a breaking change of the block.
     values = track_values("fra5", seed=42)
-    track = rig.realisation(values, length=100.0)
-    again = rig.realisation(values, length=30.0, start=70.0)
+    track = rails.realisation(values, length=100.0)
+    again = rails.realisation(values, length=30.0, start=70.0)
     assert np.array_equal(track.gauge.values[700:], again.gauge.values)
     content = b"".join(track[channel].values.astype("<f8").tobytes() for channel in CHANNELS)
     assert hashlib.sha256(content).hexdigest() == GOLDEN
@@ -68,7 +69,7 @@ GOLDEN = "4a3525fe2eeb5d75bb22993e486a38e548912502f1c4172bd773148dc7c0fc95"
 def test_neighbouring_seeds_and_channels_are_unrelated():
     drawn = []
     for seed in range(20):
-        for _, phase, _ in rig.lines(track_values("fra5", seed=seed)).values():
+        for _, phase, _ in rails.lines(track_values("fra5", seed=seed)).values():
             drawn.append(phase)
     matrix = np.corrcoef(drawn)[np.triu_indices(len(drawn), 1)]
     # 300 numbers each: one sigma is 0.058; the largest of 3160 pairs is at some 3.7 sigma.
@@ -79,7 +80,9 @@ def test_neighbouring_seeds_and_channels_are_unrelated():
 def test_realisations_of_neighbouring_seeds_and_channels_are_unrelated():
     drawn = []
     for seed in (1, 2):
-        track = rig.realisation(track_values("fra5", seed=seed, wavelength_max=8.0), length=1500.0)
+        track = rails.realisation(
+            track_values("fra5", seed=seed, wavelength_max=8.0), length=1500.0
+        )
         drawn += [track[channel].values for channel in CHANNELS]
     matrix = np.corrcoef(drawn)[np.triu_indices(len(drawn), 1)]
     # Some 600 independent numbers each.
@@ -88,7 +91,7 @@ def test_realisations_of_neighbouring_seeds_and_channels_are_unrelated():
 
 
 def test_seed_changes_frequencies_and_phases_but_no_amplitude_of_a_bin():
-    one, two = (rig.lines(track_values("fra5", seed=seed))["alignment"] for seed in (1, 2))
+    one, two = (rails.lines(track_values("fra5", seed=seed))["alignment"] for seed in (1, 2))
     assert abs(correlation(one[1], two[1])) < 0.2
     assert np.all(one[0] != two[0])
     assert np.array_equal(one[2], two[2])
@@ -99,22 +102,22 @@ def test_seed_changes_frequencies_and_phases_but_no_amplitude_of_a_bin():
 def test_track_does_not_repeat(spectrum, shift):
     values = track_values(spectrum, seed=7)
     length = 800 * FOOT
-    here = rig.realisation(values, length).alignment.values
-    there = rig.realisation(values, length, start=shift).alignment.values
+    here = rails.realisation(values, length).alignment.values
+    there = rails.realisation(values, length, start=shift).alignment.values
     assert abs(correlation(np.diff(here, 20), np.diff(there, 20))) < 0.7
     assert np.sqrt(np.mean((here - there) ** 2)) > 0.3 * np.sqrt(np.mean(here**2))
 
 
 def test_report_has_0_088_in_over_a_long_run():
-    track = rig.realisation(track_values("report"), length=10000.0)
-    assert rig.rms(track)["alignment"] == pytest.approx(0.088 * INCH, rel=0.02)
+    track = rails.realisation(track_values("report"), length=10000.0)
+    assert rails.rms(track)["alignment"] == pytest.approx(0.088 * INCH, rel=0.02)
 
 
 def test_perfect_track_is_zero():
-    track = rig.realisation(track_values("perfect"), length=20.0)
-    assert rig.rms(track) == dict.fromkeys(CHANNELS, 0.0)
+    track = rails.realisation(track_values("perfect"), length=20.0)
+    assert rails.rms(track) == dict.fromkeys(CHANNELS, 0.0)
 
 
 def test_no_rms_is_no_irregularity():
-    track = rig.realisation(track_values("report", report_rms=0.0), length=20.0)
-    assert rig.rms(track) == dict.fromkeys(CHANNELS, 0.0)
+    track = rails.realisation(track_values("report", report_rms=0.0), length=20.0)
+    assert rails.rms(track) == dict.fromkeys(CHANNELS, 0.0)

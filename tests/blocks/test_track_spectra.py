@@ -8,7 +8,7 @@ import tolerances
 from scipy.integrate import quad
 from track_values import INCH, track_values
 
-from fmus.track import rig
+from fmus.track import realisation as rails
 from fmus.track.spectra import (
     CHANNELS,
     SPECTRA,
@@ -23,7 +23,7 @@ BANDS = [(3.0, 41.7), (3.0, 25.0), (0.5, 1000.0), (25.0, 200.0)]
 
 
 def line_rms(spectrum, **changes):
-    lines = rig.lines(track_values(spectrum, **changes))
+    lines = rails.lines(track_values(spectrum, **changes))
     return {name: float(np.sqrt(np.sum(a**2) / 2)) for name, (_, _, a) in lines.items()}
 
 
@@ -93,7 +93,7 @@ def test_report_is_an_alignment_of_0_088_in(seed):
 
 
 def test_report_has_a_line_in_each_bin_of_0_002_cycle_per_foot():
-    frequency, _, _ = rig.lines(track_values("report"))["alignment"]
+    frequency, _, _ = rails.lines(track_values("report"))["alignment"]
     place = frequency * FOOT / 0.002
     assert np.array_equal(np.floor(place + 0.5), np.arange(1, 301))
     assert 0.2 < np.std(place - np.round(place)) < 0.4
@@ -101,7 +101,7 @@ def test_report_has_a_line_in_each_bin_of_0_002_cycle_per_foot():
 
 @pytest.mark.parametrize("first", [1, 3, 10, 100])
 def test_report_has_the_shape_of_the_fra_alignment(first):
-    _, _, amplitude = rig.lines(track_values("report"))["alignment"]
+    _, _, amplitude = rails.lines(track_values("report"))["alignment"]
     shortest, edge, longest = (0.002 * n for n in (300.5, first + 0.5, 0.5))
     above, whole = (
         band_variance("fra5", "alignment", FOOT / shortest, FOOT / low) for low in (edge, longest)
@@ -124,10 +124,10 @@ def test_scales_multiply_their_own_channel():
 @pytest.mark.parametrize("spectrum", ["fra5", "german_low"])
 def test_sample_spectrum_follows_the_target(spectrum):
     # The narrowest band is 10 km * 1/24 m wide: 400 independent numbers, an rms right to 4 %.
-    track = rig.realisation(track_values(spectrum, wavelength_max=100.0), length=10000.0)
-    sample = rig.spectrum(track, segment=400.0)
+    track = rails.realisation(track_values(spectrum, wavelength_max=100.0), length=10000.0)
+    sample = rails.spectrum(track, segment=400.0)
     for shortest, longest in ((4.0, 6.0), (6.0, 12.0), (12.0, 24.0)):
-        measured = rig.band_rms(sample, shortest, longest)
+        measured = rails.band_rms(sample, shortest, longest)
         for channel in CHANNELS:
             expected = np.sqrt(band_variance(spectrum, channel, shortest, longest))
             assert 0.88 < measured[channel] / expected < 1.12, (channel, shortest)
@@ -138,7 +138,7 @@ def test_wavelengths_may_be_given_in_either_order():
 
 
 def test_histogram_is_normal_with_the_samples_deviation():
-    track = rig.realisation(track_values("fra4", wavelength_max=8.0), length=4000.0)
-    edges, measured, normal = rig.histogram(track.alignment.values, bins=25)
+    track = rails.realisation(track_values("fra4", wavelength_max=8.0), length=4000.0)
+    edges, measured, normal = rails.histogram(track.alignment.values, bins=25)
     assert np.sum(normal * np.diff(edges)) == pytest.approx(1, abs=0.01)
     assert 0.001 < np.abs(measured - normal).max() / normal.max() < 0.1

@@ -7,16 +7,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import tolerances
+from support.truck_rig import kinetic_energy, stored_energy
 
 from fmus.truck.block import Truck
-from fmus.truck.ports import (
-    ELEMENTS,
-    INPUTS,
-)
-from fmus.truck.rig import (
-    kinetic_energy,
-    stored_energy,
-)
+from fmus.truck.ports import ELEMENTS, INPUTS
 
 SIZE = {"m": 3e-3, "rad": 2e-3, "m/s": 0.1, "rad/s": 0.05, "N": 2e4, "N.m": 1e4}
 PORTS = [port for port in INPUTS if not port.optional]

@@ -5,13 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import tolerances
+from support.truck_rig import COORDINATE_OF, dissipated_oracle, element_loop
 
 from fmus.truck.ports import ELEMENTS
-from fmus.truck.rig import (
-    COORDINATE_OF,
-    dissipated_oracle,
-    element_loop,
-)
 
 NAMES = tuple(ELEMENTS)
 AMPLITUDE = (0.01, 0.05, 0.004, 0.004, 0.02, 0.003)

@@ -1,4 +1,4 @@
-"""One wheelset alone on its rig."""
+"""One wheelset alone on the rails."""
 
 from __future__ import annotations
 
@@ -6,14 +6,9 @@ import numpy as np
 import pytest
 import tolerances
 from scipy.integrate import solve_ivp
+from support.wheelset_rig import evaluate, kinematic_wavelength
 
-from fmus.wheelrail.rig import (
-    Restraint,
-    evaluate,
-    kinematic_wavelength,
-    klingel_wavelength,
-    tangent,
-)
+from fmus.wheelrail.wheelset import Restraint, klingel_wavelength, tangent
 
 FOOT = 0.3048
 SPEED = 18.288

@@ -17,7 +17,7 @@ from fmpy.fmi3 import FMU3Model, FMU3Slave
 
 from fmus import BLOCKS
 from fmus.catalogue import fmu_path
-from fmus.export.xml.units import base_exponents
+from fmus.describe.units import base_exponents
 
 KINDS: dict[tuple[str, str], Any] = {
     ("2.0", "ModelExchange"): FMU2Model,

@@ -13,8 +13,8 @@ from functions import FUNCTIONS
 
 from fmus import BLOCKS
 from fmus.catalogue import fmu_path
+from fmus.describe.units import base_exponents
 from fmus.export.code import generated_functions
-from fmus.export.xml.units import base_exponents
 
 
 def test_checkers_find_nothing(block_name, fmi):

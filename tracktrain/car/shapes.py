@@ -106,7 +106,7 @@ def _body_motion(
 
     Torsion is drawn linear along the body, as large at the centre plates as the block has it.
     """
-    from fmus.carbody.rig import beam_shape
+    from fmus.carbody.modes import beam_shape
 
     q = [shape.get(f"carbody.q[{i}]", 0.0) for i in range(1, 9)]
     root_mass = p["body_mass"] ** 0.5

@@ -266,12 +266,12 @@ def _quadrature_peak(ratio: xr.DataArray, near: float) -> float:
 
 def _on_air(mode: Mode, values: Values, springs: AirSprings) -> float:
     """The mode's frequency on the air springs [Hz], by the eigenvalues of the whole carbody."""
-    from fmus.carbody import rig as carbody_rig
+    from fmus.carbody.modes import frequencies, mode_shapes
 
-    stiffness = np.diag(carbody_rig.frequencies(values) ** 2)
+    stiffness = np.diag(frequencies(values) ** 2)
     at_end = np.diag([0.0, springs.stiffness["z"], springs.stiffness["roll"], 0.0])
     for sign in (1, -1):
-        shapes = carbody_rig.mode_shapes(values, sign)
+        shapes = mode_shapes(values, sign)
         stiffness += shapes.T @ at_end @ shapes
     squared, vectors = np.linalg.eigh(stiffness)
     most = int(np.abs(vectors[_COLUMN[mode.name]]).argmax())

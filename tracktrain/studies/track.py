@@ -43,10 +43,10 @@ def track(track: str = "report", seed: int = 1, length: float = 2000.0) -> Outco
     Report Figures 5-3 to 5-5. The rails are those that the track FMU gives under one axle over
     `length` [m], without the fade-in. Raises HopperError for a track that is not known.
     """
-    from fmus.track import rig
+    from fmus.track import realisation
 
     rails = _rails(track, seed, length)
-    spectrum = rig.spectrum(rails, segment=min(400.0, length / 4))
+    spectrum = realisation.spectrum(rails, segment=min(400.0, length / 4))
     band = _band(track)
     target = _target(track, spectrum.frequency.values, band)
     present = [str(name) for name, y in rails.items() if float(abs(y).max()) > 0.0]
@@ -178,9 +178,9 @@ def _table(
     """Rms of each channel: of the record, of its spectrum in the band, and of the target."""
     import pandas as pd
 
-    from fmus.track import rig
+    from fmus.track import realisation
 
-    in_band = rig.band_rms(spectrum, 1 / band[1], 1 / band[0])
+    in_band = realisation.band_rms(spectrum, 1 / band[1], 1 / band[0])
     rows = {
         name.replace("_", " "): {
             "rms [mm]": 1e3 * value,
@@ -189,7 +189,7 @@ def _table(
             "target [mm]": 1e3 * target[name].attrs["rms"],
             "peak [mm]": 1e3 * float(abs(rails[name]).max()),
         }
-        for name, value in rig.rms(rails).items()
+        for name, value in realisation.rms(rails).items()
     }
     return pd.DataFrame.from_dict(rows, orient="index").rename_axis("channel")
 
@@ -197,13 +197,13 @@ def _table(
 @mpl.rc_context(STYLE)
 def _histogram_figure(rails: xr.Dataset, channels: list[str]) -> Figure:
     """Distribution of each channel beside the normal one of the same mean and deviation."""
-    from fmus.track import rig
+    from fmus.track import realisation
 
     figure, axes = _axes(channels, 2.6)
     for ax, name in zip(axes, channels, strict=True):
         values = 1e3 * rails[name].values
         if np.any(values):
-            edges, measured, normal = rig.histogram(values)
+            edges, measured, normal = realisation.histogram(values)
             ax.stairs(measured, edges, color=BLUE, fill=True, alpha=0.35, label="realisation")
             middle = 0.5 * (edges[1:] + edges[:-1])
             ax.plot(middle, normal, color=INK, label=f"normal, {np.std(values):.2f} mm")

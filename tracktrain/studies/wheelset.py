@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from fmus.wheelrail.rig import Restraint
+    from fmus.wheelrail.wheelset import Restraint
     from orchestrator import (
         InlineModel,
         Run,
@@ -82,7 +82,8 @@ def wheelset(
 
     from fmus.describe.parameters import parameter_set
     from fmus.truck import Truck
-    from fmus.wheelrail import WheelRail, rig
+    from fmus.wheelrail import WheelRail
+    from fmus.wheelrail.wheelset import Restraint, klingel_wavelength
 
     settings = dict(settings or {})
     truck = parameter_set(car).values(Truck())
@@ -103,11 +104,11 @@ def wheelset(
         ),
     }
     formula = {
-        "free wheelset": rig.klingel_wavelength(values),
-        "rigid truck": rig.klingel_wavelength(values, half_wheelbase),
+        "free wheelset": klingel_wavelength(values),
+        "rigid truck": klingel_wavelength(values, half_wheelbase),
     }
     held = Frame(mass, inertia, lateral=lateral_stiffness, yaw=yaw_stiffness)
-    restraint = rig.Restraint(mass, inertia, lateral_stiffness, yaw_stiffness)
+    restraint = Restraint(mass, inertia, lateral_stiffness, yaw_stiffness)
     exact, frequency = restraint.critical_oracle(values)
     critical, found, curve = _critical_speed(stand, held, exact)
     by_roots = restraint.critical_speed(values, 0.5 * exact, 2.0 * exact)

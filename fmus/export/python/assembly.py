@@ -11,16 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from string import Template
 
-from ..archive import (
-    NO_GUID,
-    guid,
-    write_archive,
-)
-from ..xml.description import Interface
-from .sources import (
-    PYTHONFMU,
-    Sources,
-)
+from ..archive import NO_GUID, guid, write_archive
+from ..xml.fmi2 import Interface
+from .sources import PYTHONFMU, Sources
 
 SCRIPT = Path(__file__).with_name("script.txt")
 BINARIES = {"linux64": "libpythonfmu-export.so", "win64": "pythonfmu-export.dll"}

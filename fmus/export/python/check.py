@@ -6,13 +6,10 @@ import random
 from collections import Counter
 from collections.abc import Iterator, Mapping
 
+from ...describe.units import base_exponents
 from ...describe.variables import limits
 from ...model import Model
-from ...python.stored import (
-    from_bytes,
-    to_bytes,
-)
-from ..xml.units import base_exponents
+from ...python.stored import from_bytes, to_bytes
 from .sources import PackError
 
 STEP = 1e-3

@@ -5,30 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 from ... import BLOCKS
-from ...describe.parameters import (
-    DEFAULT_SET,
-    parameter_set,
-)
-from ...describe.twin import TwinModel
+from ...describe.parameters import DEFAULT_SET, parameter_set
+from ...python.twin_model import TwinModel
 from ..accompanying import accompanying_files
-from ..archive import NO_GUID
-from ..build import VERSION
-from ..dependencies import (
-    dependencies,
-    initial_dependencies,
-)
-from ..xml.description import (
-    described,
-    ours,
-)
-from .assembly import (
-    Recipe,
-    write,
-)
-from .sources import (
-    FMUS,
-    Sources,
-)
+from ..dependencies import dependencies, initial_dependencies
+from ..xml.description import OURS
+from ..xml.fmi2 import described
+from .assembly import Recipe, write
+from .sources import FMUS, Sources
 
 
 def build_python(name: str, out: Path) -> Path:
@@ -39,7 +23,7 @@ def build_python(name: str, out: Path) -> Path:
     start = parameters.values(block)
     sources = Sources()
     module = f"fmus.{name}"
-    for needed in ("fmus.python.slave", "fmus.describe.twin", module):
+    for needed in ("fmus.python.slave", "fmus.python.twin_model", module):
         sources.add(needed)
     sources.add_data(FMUS / name, f"fmus/{name}", "*")
     recipe = Recipe(
@@ -49,7 +33,7 @@ def build_python(name: str, out: Path) -> Path:
         model=kind.__name__,
         create=f"TwinModel({kind.__name__}, self.start_values)",
         start=start,
-        imports={"fmus.describe.twin": "TwinModel"},
+        imports={"fmus.python.twin_model": "TwinModel"},
     )
     outputs = {v.name for v in block.outputs}
     now, at_start = (
@@ -60,10 +44,8 @@ def build_python(name: str, out: Path) -> Path:
         }
         for on in (dependencies(block), initial_dependencies(block))
     )
-    description = described(
-        TwinModel(kind, start), start, NO_GUID, ours(VERSION), [recipe.interface], now, at_start
-    )
+    model = TwinModel(kind, start)
+    description = described(model, start, OURS, [recipe.interface], now, at_start)
     out.mkdir(parents=True, exist_ok=True)
-    return write(
-        out, recipe, description, accompanying_files(block, parameters, start, description)
-    )
+    files = accompanying_files(block, parameters, start, description)
+    return write(out, recipe, description, files)

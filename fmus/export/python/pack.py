@@ -14,19 +14,12 @@ from types import ModuleType
 from ... import model
 from ...describe import variables
 from ...model import Model
-from ..archive import NO_GUID
-from ..build import VERSION
 from ..documentation import documentation
-from ..xml.description import described
-from .assembly import (
-    Recipe,
-    write,
-)
+from ..xml.description import TOOL
+from ..xml.fmi2 import described
+from .assembly import Recipe, write
 from .check import check
-from .sources import (
-    PackError,
-    Sources,
-)
+from .sources import PackError, Sources
 
 
 def pack(project: Path, out: Path) -> Path:
@@ -54,10 +47,9 @@ def pack(project: Path, out: Path) -> Path:
             name: [*start, *((v.name for v in one.inputs) if has_start else inputs)]
             for name, inputs in now.items()
         }
-        said = {"author": one.author, "license": one.license}
+        said = {"author": one.author, "license": one.license, "generationTool": TOOL}
         head = {key: text for key, text in said.items() if text}
-        head["generationTool"] = f"tracktrain {VERSION}"
-        description = described(one, start, NO_GUID, head, [recipe.interface], now, at_start)
+        description = described(one, start, head, [recipe.interface], now, at_start)
         page = documentation(one, None, start, file.with_name("README.md"), description)
     out.mkdir(parents=True, exist_ok=True)
     return write(out, recipe, description, {"documentation/index.html": page.encode()})

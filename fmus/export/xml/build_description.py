@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement
 
-from .element import document
+from . import document
 
 
 def build_description(identifier: str, files: Iterable[str]) -> str:

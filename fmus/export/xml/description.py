@@ -1,93 +1,33 @@
-"""The model description (FMI 2.0) of a block, and what that of FMI 3.0 has in common with it."""
+"""What the model descriptions of FMI 2.0 and FMI 3.0 have in common."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
 from xml.etree.ElementTree import Element, SubElement
 
 from ...describe.block import Block
-from ...describe.variables import Parameter
+from ...describe.units import base_exponents
 from ...model import Model
-from ..code import unit_files
-from ..dependencies import (
-    dependencies,
-    initial_dependencies,
-)
-from .element import document
-from .model_variables import (
-    ModelVariable,
-    scalars,
-)
-from .units import (
-    DISPLAY,
-    unit_definitions,
-)
+from .model_variables import ModelVariable
 
-TYPE = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "enumeration": "Enumeration"}
+VERSION = "0.1.0"
+TOOL = f"tracktrain {VERSION}"
+OURS = {
+    "author": "The tracktrain authors",
+    "version": VERSION,
+    "copyright": "The tracktrain authors, MIT licence",
+    "license": "MIT",
+    "generationTool": TOOL,
+}
+"""Who made the blocks, with what, and what others may do with them."""
+
 STEP_SIZE = 1e-3
 STOP_TIME = 8.0
-
+DISPLAY = {"rad": ("deg", 57.29577951308232)}
+"""Units in which values of another unit are shown, and how many are one of it."""
 
 Dependencies = Mapping[str, Iterable[str]]
 """Names of the variables on which each unknown depends, by its name."""
-
-
-@dataclass(frozen=True)
-class Interface:
-    """An element such as `CoSimulation`: what the FMU's binary can do, and its C files if any."""
-
-    tag: str
-    attributes: Mapping[str, str]
-    sources: Sequence[str] = ()
-
-
-def model_description(block: Block, start: Mapping[str, float], guid: str, version: str) -> str:
-    """XML text of a native FMU's modelDescription.xml. start: parameter values [SI]."""
-    return described(
-        block,
-        start,
-        guid,
-        {**ours(version), "numberOfEventIndicators": str(len(block.indicators))},
-        _interfaces(block),
-        dependencies(block),
-        initial_dependencies(block),
-    )
-
-
-def described(
-    model: Block | Model,
-    start: Mapping[str, float],
-    guid: str,
-    head: Mapping[str, str],
-    interfaces: Iterable[Interface],
-    now: Dependencies,
-    at_start: Dependencies,
-) -> str:
-    """XML text of modelDescription.xml of any FMU that we make for FMI 2.0.
-
-    head: author, licence and the like. now, at_start: what the unknowns depend on during a run,
-    and their first values.
-    """
-    root = Element(
-        "fmiModelDescription", {"fmiVersion": "2.0", "guid": guid, **about(model), **head}
-    )
-    for interface in interfaces:
-        element = SubElement(root, interface.tag, dict(interface.attributes))
-        if interface.sources:
-            files = SubElement(element, "SourceFiles")
-            for name in interface.sources:
-                SubElement(files, "File", name=name)
-    listed = scalars(model, start, at_start)
-    root.append(units(listed))
-    _type_definitions(root, model)
-    log_categories_and_experiment(root)
-    if model.tangents:
-        tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", name="tracktrain")
-        tool.append(coupling(model))
-    _variables(root, listed)
-    _structure(root, model, now, at_start)
-    return document(root)
 
 
 def about(model: Block | Model) -> dict[str, str]:
@@ -99,50 +39,50 @@ def about(model: Block | Model) -> dict[str, str]:
     }
 
 
-def ours(version: str) -> dict[str, str]:
-    """Who made the blocks, with what, and what others may do with them."""
-    return {
-        "author": "The tracktrain authors",
-        "version": version,
-        "copyright": "The tracktrain authors, MIT licence",
-        "license": "MIT",
-        "generationTool": f"tracktrain {version}",
-    }
+def definitions(
+    root: Element, model: Block | Model, listed: Iterable[ModelVariable], *enumeration: str
+) -> None:
+    """Units, enumerations and log categories that the variables use, and a default experiment.
 
-
-def units(listed: Iterable[ModelVariable]) -> Element:
-    """Definitions of the variables' units, and of that of the time."""
-    return unit_definitions({v.unit for v in listed if v.kind == "real" and v.unit} | {"s"})
-
-
-def items(parameter: Parameter) -> list[Element]:
-    """The choices of an enumeration."""
-    return [
-        Element("Item", name=choice, value=str(number))
-        for number, choice in enumerate(parameter.choices, start=1)
-    ]
-
-
-def log_categories_and_experiment(root: Element) -> None:
+    enumeration: the elements around the items of an enumeration, of which the first has its name.
+    """
+    units = {v.unit for v in listed if v.kind == "real" and v.unit} | {"s"}
+    root.append(unit_definitions(units))
+    enumerations = [p for p in model.parameters if p.kind == "enumeration"]
+    types = SubElement(root, "TypeDefinitions") if enumerations else root
+    for parameter in enumerations:
+        kind = SubElement(types, enumeration[0], name=parameter.name)
+        for tag in enumeration[1:]:
+            kind = SubElement(kind, tag)
+        for number, choice in enumerate(parameter.choices, start=1):
+            SubElement(kind, "Item", name=choice, value=str(number))
     categories = SubElement(root, "LogCategories")
     SubElement(categories, "Category", name="logStatusWarning", description="Warnings")
     SubElement(categories, "Category", name="logStatusError", description="Why a call was refused")
-    SubElement(
-        root, "DefaultExperiment", startTime="0", stopTime=repr(STOP_TIME), stepSize=repr(STEP_SIZE)
-    )
+    times = {"startTime": "0", "stopTime": repr(STOP_TIME), "stepSize": repr(STEP_SIZE)}
+    SubElement(root, "DefaultExperiment", times)
 
 
-def coupling(block: Block | Model) -> Element:
+def unit_definitions(units: Iterable[str]) -> Element:
+    """The UnitDefinitions element for the unit names, sorted."""
+    found = Element("UnitDefinitions")
+    for unit in sorted(units):
+        element = SubElement(found, "Unit", name=unit)
+        if "^" in unit:  # FMI has whole exponents only; such a unit is known by its name
+            continue
+        exponents = {name: str(power) for name, power in base_exponents(unit).items()}
+        SubElement(element, "BaseUnit", exponents)
+        if unit in DISPLAY:
+            name, factor = DISPLAY[unit]
+            SubElement(element, "DisplayUnit", name=name, factor=repr(factor))
+    return found
+
+
+def coupling(model: Block | Model) -> Element:
     """Which inputs are partial derivatives of which, for the master."""
     element = Element("Coupling")
-    for tangent in block.tangents:
-        SubElement(
-            element,
-            "Tangent",
-            input=tangent.input,
-            output=tangent.output,
-            partial=tangent.partial,
-        )
+    for tangent in model.tangents:
+        SubElement(element, "Tangent", vars(tangent))
     return element
 
 
@@ -174,66 +114,6 @@ def values(v: ModelVariable) -> dict[str, str]:
     return attributes
 
 
-def _interfaces(block: Block) -> list[Interface]:
-    in_both = {
-        "modelIdentifier": block.name,
-        "canBeInstantiatedOnlyOncePerProcess": "false",
-        "canNotUseMemoryManagementFunctions": "true",
-        "canGetAndSetFMUstate": "true",
-        "canSerializeFMUstate": "true",
-        "providesDirectionalDerivative": "true",
-    }
-    exchange = {"completedIntegratorStepNotNeeded": "false" if block.memory else "true"}
-    slave = {
-        "canHandleVariableCommunicationStepSize": "true",
-        "canInterpolateInputs": "true",
-        "maxOutputDerivativeOrder": "0",
-    }
-    sources = unit_files("2.0")
-    return [
-        Interface("ModelExchange", {**in_both, **exchange}, sources),
-        Interface("CoSimulation", {**in_both, **slave}, sources),
-    ]
-
-
-def _type_definitions(root: Element, block: Block | Model) -> None:
-    enumerations = [p for p in block.parameters if p.kind == "enumeration"]
-    if not enumerations:
-        return
-    definitions = SubElement(root, "TypeDefinitions")
-    for parameter in enumerations:
-        simple = SubElement(definitions, "SimpleType", name=parameter.name)
-        SubElement(simple, "Enumeration").extend(items(parameter))
-
-
-def _variables(root: Element, listed: Iterable[ModelVariable]) -> None:
-    """ScalarVariables in the order of their value references, from 1."""
-    model = SubElement(root, "ModelVariables")
-    reference = {v.name: v.reference for v in listed}
-    for v in listed:
-        scalar = SubElement(model, "ScalarVariable", identity(v))
-        element = SubElement(scalar, TYPE[v.kind], values(v))
-        if v.derivative_of:
-            element.set("derivative", str(reference[v.derivative_of]))
-
-
-def _structure(
-    root: Element, model: Block | Model, now: Dependencies, at_start: Dependencies
-) -> None:
-    structure = SubElement(root, "ModelStructure")
-    reference = model.references
-
-    def unknowns(tag: str, variables: Iterable[str], on: Dependencies) -> None:
-        group = SubElement(structure, tag)
-        for name in variables:
-            SubElement(
-                group,
-                "Unknown",
-                index=str(reference[name]),
-                dependencies=" ".join(map(str, sorted(reference[known] for known in on[name]))),
-            )
-
-    unknowns("Outputs", (v.name for v in model.outputs), now)
-    if model.derivatives:
-        unknowns("Derivatives", (v.name for v in model.derivatives), now)
-    unknowns("InitialUnknowns", sorted(at_start, key=reference.__getitem__), at_start)
+def numbers(references: Iterable[int]) -> str:
+    """Value references as the list of an attribute, in their order."""
+    return " ".join(map(str, sorted(references)))

@@ -7,13 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 from ...describe.block import Block
-from ...describe.variables import (
-    Array,
-    Output,
-    Parameter,
-    Variable,
-    limits,
-)
+from ...describe.variables import Array, Output, Parameter, Variable, limits
 from ...model import Model
 
 T = TypeVar("T")
@@ -89,7 +83,7 @@ def scalars(
 def with_arrays(block: Block, variables: Sequence[ModelVariable]) -> list[ModelVariable]:
     """The variables with the block's arrays after them, less the scalars that these replace."""
     by_name = {v.name: v for v in variables}
-    gathered = arrays(block)
+    gathered = block.all_arrays
     array_of = {m: array.name for array in gathered if array.replaces for m in array.members}
     first = len(variables) + 1
     found = [
@@ -97,26 +91,6 @@ def with_arrays(block: Block, variables: Sequence[ModelVariable]) -> list[ModelV
         for i, array in enumerate(gathered)
     ]
     return [*(v for v in variables if v.name not in array_of), *found]
-
-
-def arrays(block: Block) -> list[Array]:
-    """The block's arrays, and those of the derivatives of an array of states."""
-    rates = dict(
-        zip((s.name for s in block.continuous), (d.name for d in block.derivatives), strict=True)
-    )
-    return [
-        *block.arrays,
-        *(
-            replace(
-                array,
-                name=f"der({array.name})",
-                description=f"{array.description}; time derivatives",
-                members=tuple(rates[m] for m in array.members),
-            )
-            for array in block.arrays
-            if all(rates.get(member) == f"der({member})" for member in array.members)
-        ),
-    ]
 
 
 def _array(

@@ -10,12 +10,9 @@ import hashlib
 from pathlib import PurePosixPath
 from xml.etree.ElementTree import Element, SubElement
 
-from ...reference import (
-    EXPERIMENTS,
-    STEP,
-    Experiment,
-)
-from .element import document
+from ...describe.experiment import STEP, Experiment
+from ...reference import EXPERIMENTS
+from . import document
 
 FOLDER = PurePosixPath("extra/org.fmi-standard.fmi-ls-ref")
 MANIFEST = "{http://fmi-standard.org/fmi-ls-manifest}fmi-ls-"
@@ -23,9 +20,7 @@ PARAMETER_SET = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
 
 
 def references(block: str) -> dict[str, bytes]:
-    """The files by their place in the archive; none for a block without an experiment."""
-    if block not in EXPERIMENTS:
-        return {}
+    """The files by their place in the archive."""
     experiment = EXPERIMENTS[block]
     related = {
         "experiment.exp": (
@@ -78,11 +73,11 @@ def _manifest(related: dict[str, tuple[bytes, str, str, str]]) -> str:
 
 
 def _experiment(experiment: Experiment) -> str:
-    root = Element("Experiments", name=f"{experiment.block} reference")
+    root = Element("Experiments", name=f"{experiment.name} reference")
     element = SubElement(
         root,
         "Experiment",
-        name=experiment.block,
+        name=experiment.name,
         description=experiment.method,
         tolerance=repr(experiment.tolerance),
     )
@@ -96,7 +91,7 @@ def _experiment(experiment: Experiment) -> str:
 
 
 def _parameter_set(experiment: Experiment) -> str:
-    root = Element(f"{{{PARAMETER_SET}}}ParameterSet", version="1.0", name=experiment.block)
+    root = Element(f"{{{PARAMETER_SET}}}ParameterSet", version="1.0", name=experiment.name)
     parameters = SubElement(root, f"{{{PARAMETER_SET}}}Parameters")
     for name, value in experiment.parameters.items():
         parameter = SubElement(parameters, f"{{{PARAMETER_SET}}}Parameter", name=name)
@@ -106,8 +101,8 @@ def _parameter_set(experiment: Experiment) -> str:
 
 def _explanation(experiment: Experiment) -> str:
     changed = ", ".join(f"{name} = {value:g}" for name, value in experiment.parameters.items())
-    return f"""Reference results of the {experiment.block}
-{"=" * (25 + len(experiment.block))}
+    return f"""Reference results of the {experiment.name}
+{"=" * (25 + len(experiment.name))}
 
 In {FOLDER}:
   experiment.exp   what to run, for tools that know the format

@@ -9,7 +9,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from ...describe.block import Block
 from ...describe.terminals import Terminal
-from .element import document
+from . import document
 
 SIZE = 10.0
 """Half the width of a terminal on the icon, which spans -100 to 100."""

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from .contact import (
-    Contact,
-    Law,
-)
+from .contact import Contact, Law
 from .fastsim import fastsim
 from .kalker import kalker
 from .polach import polach

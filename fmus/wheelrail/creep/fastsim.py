@@ -8,10 +8,7 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from .contact import (
-    TINY,
-    Contact,
-)
+from .contact import TINY, Contact
 
 STRIPS = 10
 POINTS = 10

@@ -6,10 +6,7 @@ import math
 
 import casadi as ca
 
-from .contact import (
-    TINY,
-    Contact,
-)
+from .contact import TINY, Contact
 
 
 def polach(contact: Contact) -> tuple[ca.SX, ca.SX, ca.SX]:

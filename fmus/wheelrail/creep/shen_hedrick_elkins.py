@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from .contact import (
-    TINY,
-    Contact,
-)
+from .contact import TINY, Contact
 from .kalker import kalker
 
 

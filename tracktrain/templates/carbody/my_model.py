@@ -6,12 +6,7 @@ is small and from static equilibrium. `front.force_y` acts on the carbody at the
 
 from math import sqrt
 
-from fmus.model import (
-    Input,
-    Model,
-    Output,
-    Parameter,
-)
+from fmus.model import Input, Model, Output, Parameter
 
 ENDS = {"front": 1, "rear": -1}
 FORCES = {"force_y": "N", "force_z": "N", "moment_x": "N.m", "moment_z": "N.m"}

@@ -6,12 +6,7 @@ rear truck's. The leading axle starts at station 0, the others behind it on perf
 
 from math import pi, sin
 
-from fmus.model import (
-    Input,
-    Model,
-    Output,
-    Parameter,
-)
+from fmus.model import Input, Model, Output, Parameter
 
 AXLES = (1, 2, 3, 4)
 SIDES = ("left", "right")

@@ -13,12 +13,7 @@ import math
 
 import numpy as np
 
-from fmus.model import (
-    Input,
-    Model,
-    Output,
-    Parameter,
-)
+from fmus.model import Input, Model, Output, Parameter
 
 AXLES = (1, 2)
 SIDES = ("left", "right")

@@ -4,12 +4,7 @@ X points forward, Y left, Z up; yaw is about Z. All numbers are SI. A force is n
 that it acts on: `force_y` pushes the wheelset. Speed, loads and motion come in; forces go out.
 """
 
-from fmus.model import (
-    Input,
-    Model,
-    Output,
-    Parameter,
-)
+from fmus.model import Input, Model, Output, Parameter
 
 SIDES = {"left": 1, "right": -1}
 RAILS = ("rail_y_left", "rail_y_right")

@@ -13,12 +13,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from .creep import (
-    LAWS,
-    Contact,
-)
-from .hertz import semi_axes
-from .loaded_contact import creep_coefficients
+from fmus.wheelrail.creep import LAWS, Contact
+from fmus.wheelrail.hertz import semi_axes
+from fmus.wheelrail.loaded_contact import creep_coefficients
 
 
 def ellipse(

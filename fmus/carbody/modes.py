@@ -1,4 +1,4 @@
-"""The carbody on its rig: known forces at the centre plates, and the closed form beside it."""
+"""The carbody's modes in closed form, apart from the block's own equations."""
 
 from __future__ import annotations
 
@@ -8,35 +8,18 @@ from math import pi
 import numpy as np
 from scipy.linalg import expm
 
-from ..describe.twin import Twin
-from .block import (
-    BEAM_WAVE_NUMBER,
-    MODES,
-    Carbody,
-)
+from .block import BEAM_WAVE_NUMBER, MODES, Carbody
 
-Forces = Mapping[str, float]
+Values = Mapping[str, float]
 
 
-def run(
-    values: Mapping[str, float], force: Forces, ramp: Forces, duration: float, steps: int
-) -> Twin:
-    """The block after `duration` [s] in equal steps under force + ramp*t [N, N/s], by port name."""
-    twin = Twin(Carbody(), values)
-    for name, value in force.items():
-        twin.set(name, value)
-    twin.initialize()
-    for _ in range(steps):
-        for name, value in ramp.items():
-            twin.set_rate(name, value)
-        twin.step(duration / steps)
-    return twin
-
-
-def oracle(
-    values: Mapping[str, float], state: np.ndarray, force: Forces, ramp: Forces, duration: float
+def motion_after(
+    values: Values, state: np.ndarray, force: Values, ramp: Values, duration: float
 ) -> np.ndarray:
-    """State (q, qd) after `duration` from `state` (16,), by the exponential of the whole system."""
+    """State (q, qd) after `duration` [s] from `state` (16,), by the exponential of the system.
+
+    The loads are force + ramp*t [N, N.m and per s], by the name of their port.
+    """
     names = [port.name for port in Carbody.inputs]
     shapes = np.hstack([mode_shapes(values, end).T for end in (1, -1)])
     on_modes = np.array([[load.get(name, 0.0) for name in names] for load in (force, ramp)])
@@ -49,12 +32,12 @@ def oracle(
     return (expm(system * duration) @ np.r_[state, 1.0, 0.0])[:16]
 
 
-def frequencies(values: Mapping[str, float]) -> np.ndarray:
+def frequencies(values: Values) -> np.ndarray:
     """Circular frequencies of the modes (8,), [rad/s]."""
     return np.array([2 * pi * values.get(f"{mode}_frequency", 0.0) for mode in MODES])
 
 
-def mode_shapes(values: Mapping[str, float], sign: int) -> np.ndarray:
+def mode_shapes(values: Values, sign: int) -> np.ndarray:
     """Motion (y, z, roll, yaw) of a centre plate, front +1 or rear -1, over the modes: (4, 8).
 
     From rigid-body motion (displacement plus rotation times arm) and the beam's shape.

@@ -1,4 +1,4 @@
-"""The wheelset on its rig: free, in a rigid truck and restrained, with closed forms beside them."""
+"""The wheelset alone on straight rails: its tangent, Klingel's wave, stability when restrained."""
 
 from __future__ import annotations
 
@@ -15,42 +15,16 @@ from .block import WheelRail
 
 Values = Mapping[str, float]
 
-
-def evaluate(values: Values, **inputs: float) -> dict[str, float]:
-    """All outputs for the inputs by name; the others stand at their start values."""
-    twin = _twin(values, inputs)
-    return dict(zip((port.name for port in WheelRail.outputs), twin.outputs(), strict=True))
+_block = cache(WheelRail)
+"""One block for all speeds: building its functions takes far longer than a derivative."""
 
 
 def tangent(values: Values, speed: float) -> tuple[np.ndarray, np.ndarray]:
     """Stiffness and damping (2, 2) of force_y, moment_z over y, yaw and vy, wz: F = -K q - D q'."""
-    twin = _twin(values, {"speed": speed})
+    twin = Twin(_block(), values, {"speed": speed})
+    twin.initialize()
     columns = [-twin.directional({name: 1.0})[:2] for name in ("y", "yaw", "vy", "wz")]
     return np.array(columns[:2]).T, np.array(columns[2:]).T
-
-
-_block = cache(WheelRail)
-"""One block for all stands: building its functions takes far longer than a run."""
-
-
-def _twin(values: Values, inputs: Mapping[str, float]) -> Twin:
-    twin = Twin(_block(), values)
-    for name, value in inputs.items():
-        twin.set(name, value)
-    twin.initialize()
-    return twin
-
-
-def kinematic_wavelength(values: Values, half_wheelbase: float = 0.0, speed: float = 10.0) -> float:
-    """Wavelength [m] of massless wheelsets: one, or two rigidly joined at +-half_wheelbase."""
-    k, d = tangent(values, speed)
-    stiffness, damping = np.zeros((2, 2)), np.zeros((2, 2))
-    for x in (half_wheelbase, -half_wheelbase) if half_wheelbase else (0.0,):
-        motion = np.array([[1.0, x], [0.0, 1.0]])
-        stiffness += motion.T @ k @ motion
-        damping += motion.T @ d @ motion
-    roots = np.linalg.eigvals(-np.linalg.solve(damping, stiffness))
-    return float(2 * pi * speed / np.abs(roots.imag).max())
 
 
 def klingel_wavelength(values: Values, half_wheelbase: float = 0.0) -> float:

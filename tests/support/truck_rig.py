@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..describe.twin import Twin
-from .block import Truck
-from .ports import ELEMENTS
+from fmus.describe.twin import Twin
+from fmus.truck.block import Truck
+from fmus.truck.ports import ELEMENTS
 
 IMMOVABLE = 1e12
 """Factor on all inertias that keeps the truck's motion as the rig imposes it."""

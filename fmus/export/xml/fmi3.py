@@ -1,4 +1,4 @@
-"""The model description (FMI 3.0) of a block: the same variables, with arrays among them."""
+"""The model description of FMI 3.0: the same variables as in FMI 2.0, with arrays among them."""
 
 from __future__ import annotations
 
@@ -6,44 +6,29 @@ from collections.abc import Iterable, Mapping
 from xml.etree.ElementTree import Element, SubElement
 
 from ...describe.block import Block
-from ..dependencies import (
-    dependencies,
-    initial_dependencies,
-)
-from . import description
-from .element import document
-from .model_variables import (
-    ModelVariable,
-    scalars,
-    with_arrays,
-)
+from ..archive import NO_GUID
+from ..dependencies import dependencies, initial_dependencies
+from . import document
+from .description import OURS, Dependencies, about, coupling, definitions, identity, numbers, values
+from .model_variables import ModelVariable, scalars, with_arrays
 
 TYPE = {"real": "Float64", "integer": "Int32", "boolean": "Boolean", "enumeration": "Enumeration"}
 INDICATORS = "event_indicator"
 """Name of the array of all event indicators; its reference is the highest."""
 
 
-def model_description(block: Block, start: Mapping[str, float], guid: str, version: str) -> str:
-    """XML text of modelDescription.xml. start: parameter values [SI]."""
-    root = Element(
-        "fmiModelDescription",
-        {
-            "fmiVersion": "3.0",
-            "instantiationToken": guid,
-            **description.about(block),
-            **description.ours(version),
-        },
-    )
+def model_description(block: Block, start: Mapping[str, float]) -> str:
+    """XML text of a native FMU's modelDescription.xml, without GUID. start: parameters [SI]."""
+    said = {"fmiVersion": "3.0", "instantiationToken": NO_GUID, **about(block), **OURS}
+    root = Element("fmiModelDescription", said)
     _interfaces(root, block)
     listed = with_arrays(block, scalars(block, start, initial_dependencies(block)))
-    root.append(description.units(listed))
-    _type_definitions(root, block)
-    description.log_categories_and_experiment(root)
+    definitions(root, block, listed, "EnumerationType")
     _variables(root, block, listed)
     _structure(root, block, listed)
     if block.tangents:
         annotation = SubElement(SubElement(root, "Annotations"), "Annotation", type="tracktrain")
-        annotation.append(description.coupling(block))
+        annotation.append(coupling(block))
     return document(root)
 
 
@@ -71,30 +56,13 @@ def _interfaces(root: Element, block: Block) -> None:
     )
 
 
-def _type_definitions(root: Element, block: Block) -> None:
-    enumerations = [p for p in block.parameters if p.kind == "enumeration"]
-    if enumerations:
-        definitions = SubElement(root, "TypeDefinitions")
-        for parameter in enumerations:
-            kind = SubElement(definitions, "EnumerationType", name=parameter.name)
-            kind.extend(description.items(parameter))
-
-
 def _variables(root: Element, block: Block, listed: Iterable[ModelVariable]) -> None:
     model = SubElement(root, "ModelVariables")
     reference = {v.name: v.reference for v in listed}
-    SubElement(
-        model,
-        "Float64",
-        name="time",
-        valueReference="0",
-        description="Time",
-        causality="independent",
-        variability="continuous",
-        unit="s",
-    )
+    time = ModelVariable("time", 0, "Time", "independent", "continuous", None, unit="s")
+    SubElement(model, "Float64", identity(time) | values(time))
     for v in listed:
-        attributes = description.identity(v) | description.values(v)
+        attributes = identity(v) | values(v)
         if v.derivative_of:
             attributes["derivative"] = str(reference[v.derivative_of])
         if v.causality == "input" and attributes["variability"] == "continuous":
@@ -103,16 +71,10 @@ def _variables(root: Element, block: Block, listed: Iterable[ModelVariable]) -> 
         for size in v.shape:
             SubElement(element, "Dimension", start=str(size))
     if block.indicators:
-        indicators = SubElement(
-            model,
-            "Float64",
-            name=INDICATORS,
-            valueReference=str(_after(listed)),
-            description=f"Event indicators: {', '.join(block.indicators)}",
-            causality="local",
-            variability="continuous",
-            initial="calculated",
-        )
+        told = f"Event indicators: {', '.join(block.indicators)}"
+        after = _after(listed)
+        v = ModelVariable(INDICATORS, after, told, "local", "continuous", "calculated")
+        indicators = SubElement(model, "Float64", identity(v))
         SubElement(indicators, "Dimension", start=str(len(block.indicators)))
 
 
@@ -129,14 +91,10 @@ def _structure(root: Element, block: Block, listed: Iterable[ModelVariable]) -> 
     # A scalar beside an array goes by its own name.
     owner = {m: m if m in by_name else name for m, name in replaced.items()}
 
-    def unknown(tag: str, v: ModelVariable, on: Mapping[str, Iterable[str]]) -> None:
+    def unknown(tag: str, v: ModelVariable, on: Dependencies) -> None:
         known = {owner.get(k, k) for member in v.members or (v.name,) for k in on[member]}
-        SubElement(
-            structure,
-            tag,
-            valueReference=str(v.reference),
-            dependencies=" ".join(map(str, sorted(by_name[k].reference for k in known))),
-        )
+        needs = numbers(by_name[k].reference for k in known)
+        SubElement(structure, tag, valueReference=str(v.reference), dependencies=needs)
 
     derivatives = dict.fromkeys(owner.get(d.name, d.name) for d in block.derivatives)
     for v in listed:

@@ -15,12 +15,7 @@ import xarray
 from scipy import signal
 
 from .block import Track
-from .irregularity import (
-    LINE_ROWS,
-    LINES,
-    NODES,
-    SPACING,
-)
+from .irregularity import LINE_ROWS, LINES, NODES, SPACING
 from .spectra import CHANNELS
 
 
