@@ -8,33 +8,39 @@ it is the order in which the components are listed.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from ..plan.graph import strong_parts
 from ..plan.plan import Plan
-from ..slaves.base import Slave
-from .coupling import (
-    Coupling,
-    Way,
-    continuous,
-    way_notes,
-)
-from .loop import explicit
-from .loop.tables import Prepared
-from .options import Options
+from .base import Extrapolating, Prepared
+from .coupling import Coupling, Way, continuous, way_notes
+
+if TYPE_CHECKING:
+    from ..slaves.base import Slave
 
 
-def prepare(plan: Plan, slaves: Sequence[Slave], options: Options) -> Prepared:
-    """The explicit loop in sequence."""
-    instances = range(len(plan.names))
-    sources = {i: [k.source for k in plan.links_of(i)] for i in instances}
-    order = [i for part in strong_parts(instances, sources) for i in part]
-    coupling = Coupling(order, {}, options.order)
-    for link in plan.links:
-        if not continuous(link):
-            coupling.ways[link] = Way.HELD
-        elif coupling.stepped_before(link.source, link.target):
-            coupling.ways[link] = Way.KNOWN_END
-        else:
-            coupling.ways[link] = Way.EXTRAPOLATED
-    coupling.notes += way_notes(plan, coupling)
-    return explicit.prepare(plan, slaves, coupling)
+@dataclass(frozen=True)
+class GaussSeidel(Extrapolating):
+    """Slaves step in turn; inputs run to a known end, or are extrapolated."""
+
+    name = "gauss-seidel"
+    place = 2
+
+    def prepare(self, plan: Plan, slaves: Sequence[Slave]) -> Prepared:
+        """The explicit loop in sequence."""
+        from .loop import explicit
+
+        instances = range(len(plan.names))
+        sources = {i: [k.source for k in plan.links_of(i)] for i in instances}
+        order = [i for part in strong_parts(instances, sources) for i in part]
+        coupling = Coupling(order, {}, self.order)
+        for link in plan.links:
+            if not continuous(link):
+                coupling.ways[link] = Way.HELD
+            elif coupling.stepped_before(link.source, link.target):
+                coupling.ways[link] = Way.KNOWN_END
+            else:
+                coupling.ways[link] = Way.EXTRAPOLATED
+        coupling.notes += way_notes(plan, coupling)
+        return explicit.prepare(plan, slaves, coupling)

@@ -9,414 +9,66 @@ cannot save its state steps once, too: what it drives in its own circle is extra
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numba.extending import register_jitable
-from numpy.typing import NDArray
+from ..errors import CouplingError, choices
+from ..options import option
+from ..plan.connections import Link
+from ..plan.plan import Plan
+from .base import STABLE, Master, Prepared
+from .loop.unknowns import METHODS
 
-from ..errors import CouplingError
-from ..plan.graph import strong_parts
-from ..plan.plan import (
-    Link,
-    Plan,
-)
-from ..slaves import calls as ffi
-from ..slaves.base import Slave
-from .coupling import (
-    continuous,
-    interpolated,
-)
-from .loop.quasi_newton import (
-    Solved,
-    Unknowns,
-    begin_step,
-    improve,
-    settled,
-    unknowns,
-    worst,
-)
-from .loop.tables import (
-    GET,
-    NOT_CONVERGED,
-    RESTORE,
-    SAVE,
-    SET,
-    SET_RATES,
-    STEP,
-    Calls,
-    Feed,
-    Floats,
-    Ints,
-    Prepared,
-    References,
-    Refresh,
-    addresses,
-    calls,
-    feed,
-    fill_inputs,
-    finish_row,
-    ints,
-    macro_loop,
-    read_early,
-    refresh_tables,
-    send_inputs,
-    starts,
-    stopped,
-)
-from .options import Options
+if TYPE_CHECKING:
+    from ..slaves.base import Slave
 
 
-class Parts(NamedTuple):
-    """Strongly connected parts in order: their slaves, and each one's group of unknowns or -1.
+@dataclass(frozen=True)
+class Iterated(Master):
+    """Macro steps are repeated by a quasi-Newton method, to a relative residual."""
 
-    unknown_slot, guess_slot: places in the feed, of the unknowns and of the inputs that are
-    extrapolated (by slave). kept: slots whose end is kept for the energy residuals.
-    """
+    name = "iterated"
+    place = 3
 
-    first: Ints
-    slave: Ints
-    group: Ints
-    unknown_slot: Ints
-    first_guess: Ints
-    guess_slot: Ints
-    kept: Ints
-
-
-class Moves(NamedTuple):
-    """Inputs by slave that move along a line over the step, and slots of those that are constant.
-
-    final: whether a slave's ends are set before its outputs are read. state: what it saved.
-    """
-
-    first: Ints
-    slot: Ints
-    value: Floats
-    value_address: Ints
-    reference_address: Ints
-    reference: References
-    order_address: Ints
-    order: NDArray[np.int32]
-    first_constant: Ints
-    constant: Ints
-    final: Ints
-    state: Ints
-    state_address: Ints
-
-
-def prepare(plan: Plan, slaves: Sequence[Slave], options: Options) -> Prepared:
-    """Tables for `advance`; raises CouplingError where slaves step seldom."""
-    seldom = [name for name, every in zip(plan.names, plan.every, strict=True) if every > 1]
-    if seldom:
-        raise CouplingError(
-            f"the master 'iterated' repeats single macro steps, and {', '.join(seldom)} would take "
-            "several at once; choose one-pass, jacobi or gauss-seidel, or leave `every` out"
-        )
-    rigid = {i for i, slave in enumerate(slaves) if not slave.rolls_back}
-    parts, cut = _parts(plan, rigid)
-    solved = [part for part in parts if _inside(plan, part, cut)]
-    group_of = {part[0]: n for n, part in enumerate(solved)}
-    links = [_inside(plan, part, cut) for part in solved]
-    table = calls(plan, slaves, [int(n) for n in np.diff(plan.first_column)])
-    groups = [plan.links_of(i) for i in range(len(slaves))]
-    inputs, ends = feed(plan, groups), feed(plan, groups)
-    slot = {
-        link: int(inputs.first[i]) + n for i, ks in enumerate(groups) for n, link in enumerate(ks)
-    }
-    scales: dict[object, int] = {}
-    scale_of = [
-        scales.setdefault((g, k.input.unit) if k.input.unit else k, len(scales))
-        for g, ks in enumerate(links)
-        for k in ks
-    ]
-    nominal = [abs(k.gain) * k.output.nominal for ks in links for k in ks]
-    found = unknowns([len(ks) for ks in links], options.method, scale_of, nominal)
-    guesses = [[k for k in ks if k in cut] for ks in groups]
-    led = [link for bond in plan.bonds for link in (bond.force, bond.velocity)]
-    led = list(dict.fromkeys(led))
-    moves = _moves(plan, inputs, slot)
-    for link in plan.links:
-        if not continuous(link):  # stays as it is over the step
-            inputs.slope[slot[link]] = 0.0
-    tables = (
-        table,
-        inputs,
-        ends,
-        *refresh_tables(plan, table),
-        Parts(
-            first=starts([len(part) for part in parts]),
-            slave=ints(i for part in parts for i in part),
-            group=ints(group_of.get(part[0], -1) for part in parts),
-            unknown_slot=ints(slot[k] for ks in links for k in ks),
-            first_guess=starts([len(ks) for ks in guesses]),
-            guess_slot=ints(slot[k] for ks in guesses for k in ks),
-            kept=ints(slot[k] for k in led),
-        ),
-        moves,
-        found,
-        options.tolerance,
-        options.iterations,
+    method: str = option(
+        METHODS[0],
+        "How iterated solves for the inputs at the end of a macro step.",
+        choices=METHODS,
     )
-    labels = [
-        [f"{plan.name(k.target, k.input)} (from {plan.name(k.source, k.output)})" for k in ks]
-        for ks in links
-    ]
-    names = [[plan.names[i] for i in part] for part in solved]
-    return Prepared(
-        advance,
-        tables,
-        {link: n for n, link in enumerate(led)},
-        _notes(plan, solved, links, cut, options),
-        memory=(found.state,),
-        solved=Solved(found, names, labels),
-        states=moves.state,
-    )
+    tolerance: float = option(1e-8, "Relative residual at which iterated is content.", above=0.0)
+    iterations: int = option(100, "How often iterated repeats a macro step at most.", least=1)
 
+    def __post_init__(self) -> None:
+        if self.method not in METHODS:
+            raise CouplingError(
+                f"there is no method '{self.method}'; {choices(self.method, METHODS)}"
+            )
+        if not (math.isfinite(self.tolerance) and self.tolerance > 0.0):
+            raise CouplingError(
+                f"a tolerance of {self.tolerance:g} cannot be met; it must be above zero"
+            )
+        if self.iterations < 1:
+            raise CouplingError(f"{self.iterations} iterations are too few; give at least 1")
 
-def _parts(plan: Plan, rigid: set[int]) -> tuple[list[list[int]], set[Link]]:
-    """Parts in order, and the links that are cut: of `rigid` slaves, and of discrete values."""
-    instances = range(len(plan.names))
+    def prepare(self, plan: Plan, slaves: Sequence[Slave]) -> Prepared:
+        """The repeating loop."""
+        from .loop import repeated
 
-    def parted(cut: set[Link]) -> list[list[int]]:
-        sources = {i: [k.source for k in plan.links_of(i) if k not in cut] for i in instances}
-        return strong_parts(instances, sources)
+        return repeated.prepare(plan, slaves, self.method, self.tolerance, self.iterations)
 
-    cut = {link for link in plan.links if not continuous(link)}
-    part_of = {i: n for n, part in enumerate(parted(cut)) for i in part}
-    cut |= {
-        link
-        for link in plan.links
-        if part_of[link.source] == part_of[link.target] and link.source in rigid
-    }
-    return parted(cut), cut
+    def stable_ratios(
+        self, plan: Plan, links: Sequence[Link], rigid: Collection[int]
+    ) -> Mapping[Link, float]:
+        """No limit, but where a slave cannot be put back: its links are extrapolated linearly."""
+        return {
+            link: STABLE[1] if link.source in rigid or link.target in rigid else math.inf
+            for link in links
+        }
 
-
-def _inside(plan: Plan, part: Sequence[int], cut: set[Link]) -> list[Link]:
-    inside = set(part)
-    return [k for i in part for k in plan.links_of(i) if k.source in inside and k not in cut]
-
-
-def _moves(plan: Plan, inputs: Feed, slot: dict[Link, int]) -> Moves:
-    groups = [
-        [k for k in plan.links_of(i) if interpolated(plan, k)] for i in range(len(plan.names))
-    ]
-    constant = [
-        [k for k in plan.links_of(i) if not interpolated(plan, k)] for i in range(len(plan.names))
-    ]
-    feedthrough = np.diff(plan.first_column) > np.array(plan.steady)
-    first = starts([len(links) for links in groups])
-    reference = np.array([k.input.reference for links in groups for k in links], np.uint32)
-    value, order = np.zeros(reference.size), np.ones(reference.size, np.int32)
-    state = np.zeros(len(plan.names), np.int64)
-    return Moves(
-        first=first,
-        slot=ints(slot[k] for links in groups for k in links),
-        value=value,
-        value_address=addresses(value, first),
-        reference_address=addresses(reference, first),
-        reference=reference,
-        order_address=addresses(order, first),
-        order=order,
-        first_constant=starts([len(links) for links in constant]),
-        constant=ints(slot[k] for links in constant for k in links),
-        final=ints(feedthrough & (np.diff(first) > 0)),
-        state=state,
-        state_address=addresses(state, np.arange(state.size)),
-    )
-
-
-def _notes(
-    plan: Plan,
-    solved: Sequence[Sequence[int]],
-    links: Sequence[Sequence[Link]],
-    cut: set[Link],
-    options: Options,
-) -> list[str]:
-    notes: list[str] = []
-    for part, inside in zip(solved, links, strict=True):
-        names = ", ".join(plan.names[i] for i in part)
-        notes.append(f"repeat each macro step until {len(inside)} inputs agree: {names}")
-    if not solved:
-        notes.append("no macro step is repeated: no circle of connections can be")
-    discrete = [k for k in plan.links if not continuous(k)]
-    if discrete:
-        notes.append(
-            f"held over each step, since they are not real numbers: {_ends(plan, discrete)}"
-        )
-    for source in dict.fromkeys(k.source for k in cut if continuous(k)):
-        driven = [k for k in plan.links if k in cut and k.source == source and continuous(k)]
-        notes.append(
-            f"{plan.names[source]} cannot save its state and steps once; extrapolated from its "
-            f"last values: {_ends(plan, driven)}"
-        )
-    constant = [k for k in plan.links if continuous(k) and not interpolated(plan, k)]
-    if constant:
-        notes.append(
-            "constant over each step at their end value, since the FMU takes no input derivatives: "
-            f"{_ends(plan, constant)}"
-        )
-    return notes
-
-
-def _ends(plan: Plan, links: Sequence[Link]) -> str:
-    return ", ".join(plan.name(k.target, k.input) for k in links)
-
-
-@macro_loop
-def advance(
-    first: int,
-    last: int,
-    start: float,
-    step: float,
-    rows: Floats,
-    address: int,
-    end_values: Floats,
-    report: Ints,
-    calls: Calls,
-    inputs: Feed,
-    ends: Feed,
-    refreshed: Feed,
-    refresh: Refresh,
-    parts: Parts,
-    moves: Moves,
-    unknowns: Unknowns,
-    tolerance: float,
-    iterations: int,
-) -> None:
-    """Macro steps `first` to `last`; row k of the record, at `address`, is time start + k*step [s].
-
-    report: number of rows that are complete, then call, slave and status of what stopped the run;
-    or a part that does not converge and its worst unknown.
-    """
-    width = 8 * rows.shape[1]
-    for k in range(first, last):
-        row = address + (k + 1) * width
-        time = start + k * step
-        for part in range(parts.group.size):
-            group, begin, end = parts.group[part], parts.first[part], parts.first[part + 1]
-            if group < 0:
-                slave = parts.slave[begin]
-                fill_inputs(ends, slave, rows, k + 1)
-                fill_inputs(inputs, slave, rows, k)
-                if not step_slave(
-                    calls, slave, inputs, ends, parts, moves, rows, k, row, time, step, report
-                ):
-                    return
-                continue
-            for n in range(begin, end):
-                slave = parts.slave[n]
-                fill_inputs(inputs, slave, rows, k)
-                status = ffi.state(
-                    calls.get_state[slave], calls.instance[slave], moves.state_address[slave]
-                )
-                if stopped(report, slave, SAVE, status):
-                    return
-            guess_unknowns(unknowns, group, inputs, parts, rows, k)
-            begin_step(unknowns, group)
-            agreed = False
-            for iteration in range(iterations):
-                for n in range(begin, end):
-                    slave = parts.slave[n]
-                    if iteration > 0:
-                        status = ffi.state(
-                            calls.set_state[slave], calls.instance[slave], moves.state[slave]
-                        )
-                        if stopped(report, slave, RESTORE, status):
-                            return
-                    fill_inputs(ends, slave, rows, k + 1)
-                put_unknowns(unknowns, group, parts, ends)
-                for n in range(begin, end):
-                    if not step_slave(
-                        calls, parts.slave[n], inputs, ends, parts, moves, rows, k, row, time,
-                        step, report,
-                    ):  # fmt: skip
-                        return
-                for n in range(begin, end):
-                    fill_inputs(ends, parts.slave[n], rows, k + 1)
-                compare_unknowns(unknowns, group, parts, ends)
-                if settled(unknowns, group, tolerance):
-                    agreed = True
-                    break
-                improve(unknowns, group)
-            if not agreed:
-                report[1], report[2], report[3] = NOT_CONVERGED, group, worst(unknowns, group)
-                return
-        for n in range(parts.kept.size):
-            end_values[k, n] = ends.value[parts.kept[n]]
-        if not finish_row(calls, refreshed, refresh, rows, k + 1, row, report):
-            return
-
-
-@register_jitable
-def step_slave(
-    calls: Calls,
-    slave: int,
-    inputs: Feed,
-    ends: Feed,
-    parts: Parts,
-    moves: Moves,
-    rows: Floats,
-    k: int,
-    row: int,
-    time: float,
-    step: float,
-    report: Ints,
-) -> bool:
-    """Step a slave from its `inputs` to its `ends` and read its outputs; False if stopped."""
-    for n in range(parts.first_guess[slave], parts.first_guess[slave + 1]):
-        slot = parts.guess_slot[n]
-        ends.value[slot] = guess(inputs, slot, rows, k)
-    for n in range(moves.first_constant[slave], moves.first_constant[slave + 1]):
-        slot = moves.constant[n]
-        inputs.value[slot] = ends.value[slot]
-    if stopped(report, slave, SET, send_inputs(calls, slave, inputs, slave)):
-        return False
-    first, last = moves.first[slave], moves.first[slave + 1]
-    if last > first:
-        for n in range(first, last):
-            slot = moves.slot[n]
-            moves.value[n] = (ends.value[slot] - inputs.value[slot]) / step
-        status = ffi.rates(
-            calls.set_rates[slave],
-            calls.instance[slave],
-            moves.reference_address[slave],
-            last - first,
-            moves.order_address[slave],
-            moves.value_address[slave],
-        )
-        if stopped(report, slave, SET_RATES, status):
-            return False
-    status = ffi.do_step(calls.do_step[slave], calls.instance[slave], time, step)
-    if stopped(report, slave, STEP, status):
-        return False
-    if moves.final[slave] and stopped(report, slave, SET, send_inputs(calls, slave, ends, slave)):
-        return False
-    return not stopped(report, slave, GET, read_early(calls, slave, row))
-
-
-@register_jitable
-def guess(inputs: Feed, slot: int, rows: Floats, k: int) -> float:
-    """An input at the end of the step from row k, on the line through its source's last values."""
-    column, value = inputs.column[slot], inputs.value[slot]
-    return value if k == 0 else value + inputs.slope[slot] * (rows[k, column] - rows[k - 1, column])
-
-
-@register_jitable
-def guess_unknowns(
-    unknowns: Unknowns, group: int, inputs: Feed, parts: Parts, rows: Floats, k: int
-) -> None:
-    for n in range(unknowns.first[group], unknowns.first[group + 1]):
-        unknowns.value[n] = guess(inputs, parts.unknown_slot[n], rows, k)
-
-
-@register_jitable
-def put_unknowns(unknowns: Unknowns, group: int, parts: Parts, ends: Feed) -> None:
-    for n in range(unknowns.first[group], unknowns.first[group + 1]):
-        ends.value[parts.unknown_slot[n]] = unknowns.value[n]
-
-
-@register_jitable
-def compare_unknowns(unknowns: Unknowns, group: int, parts: Parts, ends: Feed) -> None:
-    for n in range(unknowns.first[group], unknowns.first[group + 1]):
-        unknowns.residual[n] = ends.value[parts.unknown_slot[n]] - unknowns.value[n]
+    def notes(self, distrusted: Collection[str]) -> list[str]:
+        """Which slaves are not repeated, though they say that they can be put back."""
+        if not distrusted:
+            return []
+        return [f"not repeated, since not rolled back: {', '.join(sorted(distrusted))}"]

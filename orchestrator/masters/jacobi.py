@@ -1,104 +1,52 @@
 """Jacobi: every slave steps with what is known at the step's start.
 
-Of order 0 inputs are held, which this short loop does; of order 1 and 2 they are extrapolated
-through their last values, by the explicit loop.
+Of order 0 inputs are held, which takes a short loop; of order 1 and 2 they are extrapolated through
+their last values, by the explicit loop.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
+from ..errors import CouplingError
+from ..options import option
 from ..plan.plan import Plan
-from ..slaves import calls as ffi
-from ..slaves.base import Slave
-from .coupling import (
-    Coupling,
-    Way,
-    continuous,
-    way_notes,
-)
-from .loop import explicit
-from .loop.crew import (
-    FINISHED,
-    STEPPED,
-    Crew,
-    alone,
-    man,
-    meet,
-)
-from .loop.tables import (
-    GET,
-    SET,
-    STEP,
-    Calls,
-    Feed,
-    Floats,
-    Ints,
-    Prepared,
-    Refresh,
-    calls,
-    feed,
-    finish_row,
-    macro_loop,
-    read_early,
-    refresh_tables,
-    set_inputs,
-    stopped,
-)
-from .options import Options
+from .base import Extrapolating, Prepared
+from .coupling import Coupling, Way, continuous, way_notes
+
+if TYPE_CHECKING:
+    from ..slaves.base import Slave
 
 
-def prepare(plan: Plan, slaves: Sequence[Slave], options: Options) -> Prepared:
-    """Tables for `advance`, or for the explicit loop where inputs are not merely held."""
-    if options.order > 0 or max(plan.every) > 1:
+@dataclass(frozen=True)
+class Jacobi(Extrapolating):
+    """Inputs held, or extrapolated; `threads` step the FMUs at the same time."""
+
+    name = "jacobi"
+    place = 1
+
+    threads: int = option(
+        1,
+        "Threads that step the FMUs of jacobi at the same time; pays for many or slow FMUs.",
+        least=1,
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.threads < 1:
+            raise CouplingError(f"{self.threads} threads can step nothing; give at least 1")
+
+    def prepare(self, plan: Plan, slaves: Sequence[Slave]) -> Prepared:
+        """The loop that holds, or the explicit one where inputs are not merely held."""
+        from .loop import explicit, held
+        from .loop.crew import man
+
+        if self.order == 0 and max(plan.every) == 1:
+            return man(held.prepare(plan, slaves), plan, slaves, self.threads)
         instances = list(range(len(plan.names)))
         ways = {k: Way.EXTRAPOLATED if continuous(k) else Way.HELD for k in plan.links}
-        coupling = Coupling(instances, ways, options.order)
+        coupling = Coupling(instances, ways, self.order)
         coupling.notes += way_notes(plan, coupling)
-        prepared = explicit.prepare(plan, slaves, coupling)
-        return man(prepared, plan, slaves, options.threads)
-    table = calls(plan, slaves, explicit.early_reads(plan, set()))
-    groups = [plan.links_of(i) for i in range(len(slaves))]
-    notes = [f"held over each step: all {len(plan.links)} connected inputs"]
-    tables = (table, feed(plan, groups), *refresh_tables(plan, table), alone(range(len(slaves))))
-    return man(Prepared(advance, tables, notes=notes), plan, slaves, options.threads)
-
-
-@macro_loop
-def advance(
-    first: int,
-    last: int,
-    start: float,
-    step: float,
-    rows: Floats,
-    address: int,
-    ends: Floats,
-    report: Ints,
-    calls: Calls,
-    inputs: Feed,
-    refreshed: Feed,
-    refresh: Refresh,
-    crew: Crew,
-) -> None:
-    """Macro steps `first` to `last`; row k of the record, at `address`, is time start + k*step [s].
-
-    report: number of rows that are complete, then call, slave and status of what stopped the run.
-    """
-    width = 8 * rows.shape[1]
-    for k in range(first, last):
-        row = address + (k + 1) * width
-        time = start + k * step
-        for slave in crew.slave:
-            if stopped(report, slave, SET, set_inputs(calls, slave, inputs, slave, rows, k)):
-                break
-            status = ffi.do_step(calls.do_step[slave], calls.instance[slave], time, step)
-            if stopped(report, slave, STEP, status):
-                break
-            if stopped(report, slave, GET, read_early(calls, slave, row)):
-                break
-        if not meet(crew, STEPPED, report):
-            return
-        if crew.thread == 0:
-            finish_row(calls, refreshed, refresh, rows, k + 1, row, report)
-        if not meet(crew, FINISHED, report):
-            return
+        return man(explicit.prepare(plan, slaves, coupling), plan, slaves, self.threads)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RecordSizeError
-from ..masters.loop.tables import Prepared
+from ..masters.base import Prepared
 from ..plan.plan import Plan
 from ..run.grid import Grid
 from .energy import (

@@ -27,7 +27,7 @@ from ..system.encoding import (
 from ..system.system import System
 
 if TYPE_CHECKING:
-    from ..masters.loop.tables import Prepared
+    from ..masters.base import Prepared
     from ..plan.plan import Plan
     from ..results.netcdf import ResultsFile
     from ..results.recording import Recording

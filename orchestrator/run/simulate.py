@@ -57,7 +57,7 @@ from .log import (
 from .texts import Texts
 
 if TYPE_CHECKING:
-    from ..masters.loop.tables import Prepared
+    from ..masters.base import Prepared
     from ..slaves.base import Slave
 
 Progress = Callable[[float, float], None]
@@ -99,7 +99,7 @@ def simulate(
 
     What is None is taken from the system's experiment; else the step is 1 ms and the start 0.
     order: to which `jacobi` and `gauss-seidel` extrapolate inputs. method, tolerance, iterations:
-    how `iterated` repeats macro steps, see `masters.options`. threads: that step the FMUs of
+    how `iterated` repeats macro steps, see `masters.iterated`. threads: that step the FMUs of
     `jacobi`, which changes no bit.
     record: names or patterns of the outputs to keep; None keeps all, and every open input.
     every: of the rows those at multiples of so many macro steps are kept.
@@ -129,14 +129,14 @@ def simulate(
     if resumed is not None:
         resumed.check(plan)
     # numba takes half a second to import: not before the system is known to be sound.
-    from ..masters import master_module
-    from ..masters.options import Options
+    from ..masters.base import master_named
     from ..results.recording import Recording
     from .stepping import Stepper
 
-    module = master_module(master)
-    options = Options(order, method, tolerance, iterations, threads)
-    options.check(master)
+    chosen = master_named(
+        master, order=order, method=method, tolerance=tolerance, iterations=iterations,
+        threads=threads,
+    )  # fmt: skip
     evidence = Evidence(self_tests(system.components) if self_test else {})
     if os.name == "posix":
         isolate = [*dict.fromkeys([*isolate, *evidence.crashed])]
@@ -161,17 +161,17 @@ def simulate(
             slave.begin_stepping()
         texts.settle()
         first_row = settle(plan, slaves)
-        prepared = module.prepare(plan, slaves, options)
+        prepared = chosen.prepare(plan, slaves)
         stack.callback(_free_states, slaves, prepared)
         if self_test:
             from ..trust.step_limit import step_limit
 
             limit, unknown = step_limit(
-                system, plan, first_row, step=step, start=start, master=master, options=options,
+                system, plan, first_row, step=step, start=start, master=chosen,
                 tests=evidence.tests, isolate=isolate,
             )  # fmt: skip
             evidence = replace(evidence, limit=limit)
-            notes += [*evidence.notes(master), *unknown]
+            notes += [*evidence.notes(chosen.notes(evidence.distrusted)), *unknown]
         opened = plan.open_inputs
         constant = np.array([slaves[i].get_reals([v])[0] for i, v in opened])
         variables = [

@@ -18,12 +18,12 @@ from ..errors import (
     ResultsError,
     SlaveError,
 )
+from ..masters.base import Prepared
 from ..masters.loop.tables import (
     CALLS,
     LOOP,
     NOT_CONVERGED,
     NOT_FINITE,
-    Prepared,
 )
 from ..plan.plan import (
     Plan,

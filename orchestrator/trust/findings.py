@@ -1,16 +1,12 @@
-"""What the self-test of an FMU found: plain data, that can be remembered."""
+"""What is known of how good an answer is: plain data, most of which can be remembered."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    pass
-
+from typing import Any
 
 VERSION = 1
 """Of the checks: results of another version are not used."""
@@ -131,18 +127,14 @@ class Evidence:
         """Instances whose self-test ended with its process; they get one of their own."""
         return [name for name, test in self.tests.items() if test.failed("process")]
 
-    def notes(self, master: str) -> list[str]:
-        """What a run says before its first step."""
+    def notes(self, of_master: Sequence[str]) -> list[str]:
+        """What a run says before its first step; of_master: what its master says of the FMUs."""
         found: dict[str, list[str]] = {}
         for name, test in self.tests.items():
             for finding in test.errors:
                 found.setdefault(f"{test.label}: {finding.text}", []).append(name)
         said = [f"self-test of {', '.join(names)}: {text}" for text, names in found.items()]
-        if master == "iterated" and self.distrusted:
-            said.append(
-                f"not repeated, since not rolled back: {', '.join(sorted(self.distrusted))}"
-            )
-        return [*said, *([self.limit.note] if self.limit else [])]
+        return [*said, *of_master, *([self.limit.note] if self.limit else [])]
 
     def attributes(self) -> dict[str, Any]:
         """Attributes for a run's results."""

@@ -18,7 +18,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.linalg import eig
@@ -27,11 +26,7 @@ from ..errors import (
     CouplingError,
     OrchestratorError,
 )
-from ..masters.coupling import (
-    Way,
-    couple,
-    interpolated,
-)
+from ..masters.base import Master
 from ..plan.graph import strong_parts
 from ..plan.plan import (
     Link,
@@ -39,20 +34,12 @@ from ..plan.plan import (
 )
 from ..slaves.session import Session
 from ..system.system import System
-from .findings import SelfTest
+from .findings import FAR, SelfTest, StepLimit
 from .probe import (
     Array,
     Probe,
 )
 from .self_test import differences
-
-if TYPE_CHECKING:
-    from ..masters.options import Options
-from .findings import FAR, StepLimit
-
-LIMITS = (2.0, 1.0, 6.0 / 11.0)
-"""Largest stable r by order of extrapolation: the real axis of Adams and Bashforth's methods."""
-
 
 CLOSE = 0.02
 """Relative change of the limit from one trial to the next that ends the search."""
@@ -73,22 +60,35 @@ def step_limit(
     *,
     step: float,
     start: float,
-    master: str,
-    options: Options,
+    master: Master,
     tests: Mapping[str, SelfTest],
     isolate: Sequence[str] = (),
 ) -> tuple[StepLimit | None, list[str]]:
-    """The limit of a system whose outputs are `row` at the start, and notes; None without loops.
+    """The limit of a system whose outputs are `row` at the start, and notes.
+
+    None without loops, and where the master does not know.
 
     tests: self-tests by instance; what failed rollback is loaded anew for each trial.
     """
     parts = [set(part) for part in _parts(plan)]
     links = [k for k in plan.links if any({k.source, k.target} <= part for part in parts)]
-    weights = _weights(plan, links, master, options, tests)
+    distrusted = {n for n, test in tests.items() if test.failed("rollback")}
+    rigid = {
+        i
+        for i, (n, d) in enumerate(zip(plan.names, plan.descriptions, strict=True))
+        if n in distrusted or not d.saves_state
+    }
+    ratios = master.stable_ratios(plan, links, rigid)
     links = [k for k in links if k.input.kind == "real" and k.output.kind == "real"]
     if not links:
         return None, []
-    if not any(weights[k] for k in links):
+    if ratios is None:
+        return None, [
+            f"largest stable step: not known, since the master '{master.name}' does not say what "
+            "ratio it is stable at"
+        ]
+    weights = np.array([1.0 / ratios[k] for k in links])
+    if not np.any(weights):
         return StepLimit(step, math.inf), []
     try:
         with ExitStack() as stack:
@@ -98,10 +98,10 @@ def step_limit(
                     i: _probe(system, plan, row, i, session, stack, start, isolate)
                     for i in sorted({k.source for k in links} | {k.target for k in links})
                 },
-                {n for n, test in tests.items() if test.failed("rollback")},
+                distrusted,
                 plan,
                 links,
-                np.array([weights[k] for k in links]),
+                weights,
             )
             return loops.limit(step), []
     except OrchestratorError as error:
@@ -267,28 +267,3 @@ def _parts(plan: Plan) -> list[list[int]]:
     for k in plan.links:
         sources[k.target].append(k.source)
     return [p for p in strong_parts(list(sources), sources) if len(p) > 1]
-
-
-def _weights(
-    plan: Plan,
-    links: Sequence[Link],
-    master: str,
-    options: Options,
-    tests: Mapping[str, SelfTest],
-) -> dict[Link, float]:
-    """One over the largest stable r of each link; 0 where there is none."""
-    if master == "one-pass":
-        ways = couple(plan).ways
-        orders = {k: {Way.TANGENT: None, Way.EXTRAPOLATED: 1}.get(ways[k], 0) for k in links}
-    elif master == "iterated":
-        said = plan.descriptions
-        rigid = [
-            not d.saves_state or (n in tests and tests[n].failed("rollback"))
-            for n, d in zip(plan.names, said, strict=True)
-        ]
-        orders = {k: 1 if rigid[k.source] or rigid[k.target] else None for k in links}
-    else:
-        orders = {
-            k: options.order if interpolated(plan, k) else min(options.order, 1) for k in links
-        }
-    return {k: 0.0 if orders[k] is None else 1.0 / LIMITS[orders[k] or 0] for k in links}

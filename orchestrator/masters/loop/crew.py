@@ -23,9 +23,9 @@ from ...plan.plan import Plan
 from ...slaves.base import Slave
 from ...slaves.calls import _call as call
 from ...slaves.fmu import address_of
+from ..base import Prepared
 from .tables import (
     Ints,
-    Prepared,
     ints,
 )
 

@@ -22,6 +22,7 @@ from numba.extending import register_jitable
 from ...plan.plan import Plan
 from ...slaves import calls as ffi
 from ...slaves.base import Slave
+from ..base import Prepared
 from ..coupling import (
     Coupling,
     Way,
@@ -61,7 +62,6 @@ from .tables import (
     Feed,
     Floats,
     Ints,
-    Prepared,
     Refresh,
     calls,
     feed,

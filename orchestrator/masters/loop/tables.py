@@ -7,7 +7,6 @@ one call takes: the inputs of a slave, or those that one batch of a refresh sets
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,14 +26,13 @@ from ...slaves.compiled import (
     saved_if_there_is_room,
 )
 from .quasi_newton import (
-    Solved,
-    Unknowns,
     begin_step,
     improve,
     settled,
     unknowns,
     worst,
 )
+from .unknowns import Unknowns
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -126,29 +124,6 @@ class Refresh(NamedTuple):
     again: Ints
     guessed: Ints
     unknowns: Unknowns
-
-
-@dataclass
-class Prepared:
-    """A macro loop, its tables in the order of its arguments, and what to tell the user.
-
-    led: links whose value at the end of each step `advance` stores in its `end_values`, by column.
-    memory: arrays of whole numbers that it carries from step to step; that it may do so with the
-    tables' arrays of floating-point numbers goes without saying.
-    behind: how many rows before the newest it looks at.
-    start_order: macro steps at the start that go in small ones, for a history to extrapolate from.
-    solved: what it solves for. states: saved states of the FMUs, by slave, or 0.
-    """
-
-    advance: Any
-    tables: tuple[Any, ...]
-    led: dict[Link, int] = field(default_factory=dict)
-    notes: list[str] = field(default_factory=list)
-    memory: tuple[NDArray[Any], ...] = ()
-    behind: int = 4
-    start_order: int = 0
-    solved: Solved | None = None
-    states: Ints | None = None
 
 
 def starts(sizes: Sequence[int]) -> Ints:
