@@ -26,7 +26,7 @@ Values = Mapping[str, float]
 
 
 class Model:
-    """What an FMU in Python computes. Subclasses state variables and `output`, most of them `step`.
+    """What an FMU in Python computes. Subclasses state variables and `output`, most also `step`.
 
     All that a model keeps in `self` is its state, which a master may save, restore and store as
     bytes: numbers, booleans, text, numpy arrays, and lists, tuples or dicts of these.
@@ -46,11 +46,11 @@ class Model:
 
     locals: Sequence[Variable] = ()
     derivatives: Sequence[Output] = ()
-    """What Model Exchange needs besides, which a model in Python does not offer."""
+    """These are for Model Exchange, which a model in Python does not offer."""
 
     constants: Sequence[Constant] = ()
     arrays: Sequence[Array] = ()
-    """What the native FMUs of the blocks show besides."""
+    """These are shown by the native FMUs of the blocks only."""
 
     def start(self, p: Values, u: Values) -> None:
         """Set the state at the start of a run, from parameters and inputs.

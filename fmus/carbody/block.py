@@ -7,13 +7,13 @@ from math import cos, cosh, pi
 
 import casadi as ca
 
-from ..describe.block import Block, Input, Output, Parameter, Signals, State
+from ..describe.block import Block, Signals, State
 from ..describe.terminals import CENTRE_PLATE, Terminal
-from ..describe.variables import Array, Constant, vector
+from ..describe.variables import Array, Constant, Input, Output, Parameter, vector
 from .oscillator import oscillator, rigid
 
 MODAL = "kg^(1/2).m"
-"""Unit of a modal coordinate, a name alone: FMI's whole exponents cannot define it."""
+"""Unit of a modal coordinate. It is only a name, since FMI defines units by whole exponents."""
 
 MODES = {
     "lateral": "m",
@@ -315,7 +315,7 @@ def _rigid_scale(d: Signals) -> dict[str, ca.SX]:
 
 
 def _modal_forces(u: Signals, d: Signals) -> list[ca.SX]:
-    """Forces on the modal coordinates, or with rates of the inputs their rates, (1)."""
+    """Forces on the modal coordinates, (1), or their rates, from inputs or from their rates."""
     return ca.vertsplit(
         sum(
             (mode_shapes(d, end).T @ ca.vertcat(*(u[f"{end}.{name}"] for name in FORCES)))

@@ -18,7 +18,7 @@ from .terminals import Terminal
 from .variables import Array, Constant, Input, Output, Parameter, Tangent, Variable
 
 Signals = Mapping[str, ca.SX]
-"""Symbols or expressions by name: scalars, or for derived constants matrices of any shape."""
+"""Symbols or expressions by name. They are scalars; derived constants may be matrices."""
 
 STEADY = 1e30
 """Largest micro step [s] of a block whose step is exact or which has no dynamics."""
@@ -76,7 +76,7 @@ class Block:
     switch: str | None = None
 
     def derived_function(self) -> ca.Function:
-        """CasADi function of the parameter vector giving the derived constants, one vector each.
+        """CasADi function from the vector of parameters to the vector of derived constants.
 
         Override for constants that need loops (MX); otherwise state `derived`.
         """
@@ -138,7 +138,7 @@ class Block:
     def output_branches(self) -> Sequence[ca.Function]:
         """The functions (x, u, p, d, lookup) -> y among which the parameter `switch` chooses.
 
-        What an output depends on is read off them, since a choice hides its own sparsity.
+        The dependencies of the outputs are read from these, since a choice hides their sparsity.
         """
         return [self.functions.outputs]
 
@@ -149,7 +149,7 @@ class Block:
     def event_indicators(
         self, x: Signals, u: Signals, p: Signals, d: Signals, mode: Signals
     ) -> Signals:
-        """Expressions by a name for each, that change sign where an integrator has to stop.
+        """Expressions by name; each changes its sign where an integrator has to stop.
 
         `modes` are whole numbers, 0 at the start, that choose what the indicators watch.
         """
@@ -243,7 +243,7 @@ class Functions:
     stations_forward(x, u, p, d, x_seed, u_seed) -> s_seed
     forward(x, u, p, d, lookup, x_seed, u_seed, fraction_seed) -> y_seed, seed of dx/dt
 
-    A seed is a direction, and what comes of it the derivative along it: x_seed of the continuous
+    A seed is a direction, and the result is the derivative along it. x_seed is of the continuous
     states, fraction_seed of the first row of the lookup.
     """
 

@@ -35,7 +35,7 @@ SLIDER_MARGIN = 1e-6
 
 
 def slider_mode(strain: ca.SX, slip: ca.SX, reach: ca.SX, mode: ca.SX) -> ca.SX:
-    """0 stuck, +1 or -1 slipping that way, from the mode and the slip before `slip_after`."""
+    """Mode after a step, 0 stuck, +1 or -1 slipping, from the mode and the slip before it."""
     ahead = strain - slip
     # Half of the indicator's margin: a crossing may be located a little before or after it.
     gives_way = ca.fabs(ahead) > (1 + SLIDER_MARGIN / 2) * reach

@@ -14,8 +14,9 @@ import pint
 
 from ..errors import ParameterError
 from ..names import NAMES
-from .block import Block, Parameter
+from .block import Block
 from .units import REGISTRY, parse
+from .variables import Parameter
 
 FOLDER = Path(__file__).parents[1] / "parameters"
 DEFAULT_SET = "loaded"

@@ -16,7 +16,7 @@ DOMAIN = "org.tracktrain"
 class Joint:
     """A kind of connection: the members that both sides call by the same names.
 
-    `rule` is FMI's matching rule: of a `plug` both sides have all members, of a `bus` either side
+    `rule` is FMI's matching rule: both sides of a `plug` have all members, either side of a `bus`
     has those that it needs. `flows` are forces and moments, which add up to zero at a joint;
     `signals` are all others.
     """
@@ -65,7 +65,7 @@ class Member:
 
 @dataclass(frozen=True)
 class Terminal:
-    """One side of a joint. A member's variable is `prefix` and its name, unless `renamed`.
+    """One side of a joint. A member's variable is called `prefix` + name, unless `renamed`.
 
     `place` is where it stands on the block's icon, from -100 to 100 rightwards and upwards.
     """

@@ -38,7 +38,7 @@ class Twin:
             self.set(name, value)
 
     def set_parameters(self, values: Values) -> None:
-        """Change the parameters [SI], all of them given, and keep the state."""
+        """Change the parameters [SI], of which all are given, and keep the state."""
         p = self.block.parameter_vector(values)
         if self.d.is_empty() or not np.array_equal(p, self.p):
             self.p = p

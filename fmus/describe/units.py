@@ -12,7 +12,7 @@ BASE = {"kilogram": "kg", "meter": "m", "second": "s", "radian": "rad"}
 
 
 def parse(unit: str) -> pint.Unit:
-    """The unit of an FMI name; `1` is a plain number. Raises what pint raises for no unit."""
+    """The unit of an FMI name; `1` is a plain number. Raises pint's error for an unknown unit."""
     if unit == "1":
         return REGISTRY.Unit("")
     parts = ("*".join(_power(factor) for factor in part.split(".")) for part in unit.split("/"))

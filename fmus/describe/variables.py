@@ -21,7 +21,7 @@ class Variable:
 class Parameter(Variable):
     """A number that the user may set; its default comes from the `loaded` parameter set.
 
-    `minimum` and `maximum` are refused beyond. `tunable` allows a change during a run.
+    Values beyond `minimum` and `maximum` are refused. `tunable` allows a change during a run.
     An enumeration lists its items in `choices`; the value is the item's number, from 1.
     `default` stands for parameters that no parameter file gives (options, initial values).
     """
@@ -37,7 +37,7 @@ class Parameter(Variable):
 
 @dataclass(frozen=True)
 class Input(Variable):
-    """A port that the model reads; `start` is what an unconnected input means."""
+    """A port that the model reads; `start` is its value when it is not connected."""
 
     start: float = 0.0
     optional: bool = False
@@ -45,7 +45,7 @@ class Input(Variable):
 
 @dataclass(frozen=True)
 class Output(Variable):
-    """A port that the model writes; `derivative_of` names the output it is the rate of."""
+    """A port that the model writes; `derivative_of` names the output whose rate it is."""
 
     derivative_of: str | None = None
 
@@ -68,9 +68,8 @@ class Constant(Variable):
 class Array:
     """Variables of a model that belong together, for standards that have arrays.
 
-    members: names of variables of one kind, the last index of `shape` running fastest. Members
-    that are called like the array, but for the index, are its elements and stand for themselves
-    no more.
+    members: names of variables of one kind, the last index of `shape` running fastest. A member
+    whose name is the array's with an index becomes an element and is no variable of its own.
     """
 
     name: str

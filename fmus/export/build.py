@@ -85,7 +85,7 @@ def _guid(description: str, sources: Mapping[str, str]) -> str:
 def _write(of_block: Iterable[Contents], out: Path, platforms: Iterable[Target]) -> list[Path]:
     """Compile and zip the FMUs of one block."""
     paths = []
-    # One folder for all: zig compiles again only what has been written anew.
+    # One folder for both versions: zig compiles only what has been written anew.
     with tempfile.TemporaryDirectory() as folder:
         for fmu in of_block:
             files = {f"sources/{name}": text.encode() for name, text in fmu.sources.items()}

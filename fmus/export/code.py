@@ -10,8 +10,8 @@ from pathlib import Path
 
 import casadi as ca
 
-from ..describe.block import Block, Variable
-from ..describe.variables import MAX, limits
+from ..describe.block import Block
+from ..describe.variables import MAX, Variable, limits
 from .tables import array_tables, c_tables
 
 NATIVE = Path(__file__).parent / "native"
@@ -41,7 +41,7 @@ def sources(block: Block, start: Mapping[str, float], fmi: str, guid: str) -> di
 def unit_files(fmi: str) -> list[str]:
     """Names of the C files to compile for a version of FMI."""
     names = [path.name for path in _native(fmi) if path.suffix == ".c"]
-    # The first is the same for both: zig knows again what it has compiled under that name.
+    # The first file is the same for both: zig recognises what it compiled under that name.
     return ["block.c", *names, *(["arrays.c"] if fmi == "3.0" else [])]
 
 
@@ -83,7 +83,7 @@ def _equations(block: Block) -> str:
 
 
 def _without_queries(text: str) -> str:
-    """The code less CasADi's functions about functions (sparsity, names), which nothing calls."""
+    """The code without CasADi's functions about functions (sparsity, names): nothing calls them."""
     query = re.compile(
         r"CASADI_SYMBOL_EXPORT [^\n]*\b\w+_(?:alloc_mem|init_mem|free_mem|checkout|release|incref|"
         r"decref|n_in|n_out|default_in|name_in|name_out|sparsity_in|sparsity_out|work|work_bytes)"
@@ -154,7 +154,7 @@ def _variables(block: Block, start: Mapping[str, float]) -> str:
 
 
 def nominals(block: Block) -> list[float]:
-    """Size of each continuous state, as the output of the same name says."""
+    """Nominal value of each continuous state, which is that of its output."""
     by_name = {output.name: output.nominal for output in block.outputs}
     return [by_name[state.name] or 1.0 for state in block.continuous]
 

@@ -9,8 +9,9 @@ from xml.etree import ElementTree
 
 from markdown_it import MarkdownIt
 
-from ..describe.block import Block, Parameter, Variable
+from ..describe.block import Block
 from ..describe.parameters import ParameterSet
+from ..describe.variables import Parameter, Variable
 from ..model import Model
 
 STYLE = """

@@ -49,7 +49,7 @@ class Snapshot:
 
 
 def _call(function: Callable[..., Any]) -> Callable[..., Any]:
-    """An FMI call whose every failure becomes a message, and an exception that does no harm."""
+    """Turn every failure of an FMI call into a message, and an exception that does no harm."""
 
     @functools.wraps(function)
     def guarded(self: Slave, *arguments: Any) -> Any:
@@ -277,8 +277,8 @@ class Slave(Fmi2Slave):
         if state.model is not None:
             self.model.restore(state.model)
 
-    # pythonfmu calls these two on the class, where an exception has no instance to hold: what went
-    # wrong travels in the state, and is said when that is to be put back.
+    # pythonfmu calls these two on the class, where an exception has no instance to hold. So the
+    # state carries what went wrong, and it is said when the state is to be put back.
 
     @staticmethod
     def _fmu_state_to_bytes(state: Snapshot) -> bytes:
@@ -314,6 +314,6 @@ def _fault(error: Exception) -> str:
 
 
 def _hold(*objects: object) -> None:
-    """One more reference to each, that pythonfmu drops when an exception arrives."""
+    """Take one more reference to each; pythonfmu drops it when an exception arrives."""
     for held in objects:
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(held))

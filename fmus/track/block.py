@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from ..describe.block import Block, Input, Output, Parameter, Signals, State, Table
+from ..describe.block import Block, Signals, State, Table
 from ..describe.terminals import RAILS, Terminal
-from ..describe.variables import Array
+from ..describe.variables import Array, Input, Output, Parameter
 from .irregularity import LINE_ROWS, LINES, NODES, SPACING, channel_lines, page_function
 from .spectra import CHANNELS, SPECTRA
 

@@ -47,8 +47,8 @@ def grid_spacing() -> float:
 def amplitudes() -> np.ndarray:
     """Constants A of (1), (2) [m^2.rad/m], shape (channels, spectra).
 
-    The report's alignment, whose level follows from its rms, has one; what a spectrum leaves
-    out has zero.
+    A is one for the report's alignment, whose level follows from its rms, and zero for a channel
+    that a spectrum leaves out.
     """
     table = {"report": (1.0, 0.0, 0.0, 0.0), "perfect": (0.0, 0.0, 0.0, 0.0)}
     factor = 1e-4 * data()["fra"]["factor"]["value"]
@@ -116,7 +116,7 @@ def _gauss_legendre() -> list[tuple[float, float]]:
 def band_variance(spectrum: str, channel: str, shortest: float, longest: float) -> float:
     """Variance [m^2] between two wavelengths [m], in closed form by partial fractions.
 
-    For `report`, whose level follows from its rms, that of the shape with A = 1.
+    A is one for `report`, whose level follows from its rms.
     """
     number = SPECTRA.index(spectrum)
     r, c, s = (float(value) ** 2 for value in corners()[:, number])

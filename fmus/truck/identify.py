@@ -171,7 +171,7 @@ def _deviations(jacobian: Array, noise: float) -> Array:
 
 
 def _silent(strain: Array, p: Array) -> frozenset[str]:
-    """Parameters on which no sample depends: of a stop that was not met, of a slip that was not."""
+    """Parameters on which no sample depends, since none meets the stop or since none slips."""
     silent: set[str] = set()
     stop_met = p[4] < 0.999 * np.abs(strain).max() and p[1] > NEGLIGIBLE * max(p[0], p[2])
     if not stop_met or p[4] < NEGLIGIBLE:  # a stop without play is part of K0
@@ -184,7 +184,7 @@ def _silent(strain: Array, p: Array) -> frozenset[str]:
 def _estimates(
     strain: Array, p: Array, half: Array, units: Array, silent: frozenset[str]
 ) -> dict[str, Estimate]:
-    """Values and intervals; of what no sample depends on the bound that the data give."""
+    """Values and intervals; a parameter on which no sample depends has the bound from the data."""
     bounds = {
         "stop_stiffness": 0.0,
         "free_play": float(np.abs(strain).max()),
@@ -207,7 +207,7 @@ def _estimates(
 
 
 def _remarks(strain: Array, p: Array, units: Array, silent: frozenset[str]) -> list[str]:
-    """What the loop cannot tell, and what experiment would."""
+    """What the loop cannot tell, and which experiment would tell it."""
     remarks = []
     reached = float(np.abs(strain).max())
     if "free_play" in silent:
@@ -231,7 +231,7 @@ def _remarks(strain: Array, p: Array, units: Array, silent: frozenset[str]) -> l
 
 
 def _samples_stuck(strain: Array, width: float) -> int:
-    """Samples within `width` behind a reversal, of the reversal that has most."""
+    """Largest number of samples within `width` behind a reversal."""
     turns = np.flatnonzero(np.diff(np.sign(np.diff(strain))) != 0) + 1
     counts = []
     for first, last in zip(turns, [*turns[1:], len(strain)], strict=True):

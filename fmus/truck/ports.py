@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..describe.block import Input, Output, Parameter, State, Tangent, Variable
+from ..describe.block import State
 from ..describe.terminals import CENTRE_PLATE, RAILS, WHEELSET, Terminal
-from ..describe.variables import Array, vector
+from ..describe.variables import Array, Input, Output, Parameter, Tangent, Variable, vector
 
 AXLES = (1, 2)
 COORDINATES = {

@@ -7,8 +7,9 @@ from typing import Any
 
 import casadi as ca
 
-from ..describe.block import Block, Input, Output, Parameter, Signals
+from ..describe.block import Block, Signals
 from ..describe.terminals import RAILS, WHEELSET, Terminal
+from ..describe.variables import Input, Output, Parameter
 from .creep import LAWS, Law
 from .loaded_contact import loaded_contact, static_contact
 

@@ -49,8 +49,8 @@ def loaded_contact(
 ) -> tuple[Contact, ca.SX]:
     """The contact at a creepage x, y [1], spin [1/m], speed [m/s] and load [N], and its grip.
 
-    The grip, 1 and as the load vanishes 0, is to multiply the forces: the contact's own load stays
-    above zero, so that they have a derivative at no load.
+    The grip is a factor on the forces: 1, and 0 as the load vanishes. The contact's own load stays
+    above zero, so that the forces have a derivative at zero load.
     """
     creep_x, creep_y, spin = creepage
     static = 0.5 * p["axle_load"]

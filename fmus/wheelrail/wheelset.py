@@ -1,4 +1,4 @@
-"""The wheelset alone on straight rails: its tangent, Klingel's wave, stability when restrained."""
+"""The wheelset alone on straight rails: tangent, Klingel's wave, stability when restrained."""
 
 from __future__ import annotations
 

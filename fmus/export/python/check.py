@@ -20,7 +20,7 @@ SIZES = {"m": 1e-3, "rad": 1e-3, "m/s": 0.1, "rad/s": 0.1, "N": 1e4, "N.m": 1e4}
 
 TRIALS = 8
 CHANGES = (1e-3, 1.0, 1e3)
-"""How far an input is moved in a search for what it changes, in usual sizes, each way."""
+"""How far an input is moved, both ways, to see what it changes, in its usual size."""
 
 
 def check(model: Model) -> None:
@@ -83,7 +83,7 @@ def _behaviour(model: Model) -> Iterator[str]:
 
 
 def _state(model: Model, p: dict[str, float], u: dict[str, float]) -> Iterator[str]:
-    """A step after the state was put back, as it is and out of bytes, is the same step."""
+    """What differs in a step after the state was put back, as it is and from bytes."""
 
     def step() -> Mapping[str, float]:
         inputs = dict(u)

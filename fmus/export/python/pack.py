@@ -69,7 +69,7 @@ def _model_file(project: Path) -> Path:
 
 @contextmanager
 def _imported(sources: Sources, file: Path) -> Iterator[ModuleType]:
-    """The model's module out of its FMU's package, so that what does not travel is missed."""
+    """Import the model from its FMU's package, so that a file that does not travel is missed."""
     digest = hashlib.sha256(repr(sorted(sources.files.items())).encode()).hexdigest()
     package = f"packed_{digest[:12]}"
     with tempfile.TemporaryDirectory() as temporary:
@@ -78,7 +78,7 @@ def _imported(sources: Sources, file: Path) -> Iterator[ModuleType]:
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(content)
         sys.path.insert(0, temporary)
-        for own in (model, variables):  # so that declarations are what we take them for
+        for own in (model, variables):  # so that its declarations are of our classes
             sys.modules[f"{package}.{own.__name__}"] = own
         try:
             yield importlib.import_module(f"{package}.{file.stem}")

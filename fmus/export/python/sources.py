@@ -20,7 +20,7 @@ from ...errors import FmusError
 FMUS = Path(__file__).parents[2]
 PYTHONFMU = Path(pythonfmu.__file__).parent
 ROOTS = {"fmus": FMUS, "pythonfmu": PYTHONFMU}
-"""Packages of which single modules travel along, without what their own `__init__` imports."""
+"""Packages whose modules travel one by one, without what their `__init__` imports."""
 
 DATA = (".csv", ".json", ".md", ".npy", ".toml", ".txt")
 
