@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from .car.hopper import layout_of
+from .results import mean_speed
 from .scales import (
     ACCELERATION,
     ANGLE,
@@ -20,10 +24,6 @@ from .scales import (
     MILE_PER_HOUR,
     Scale,
 )
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
 
 INK, MUTED, GRID = "#1c2733", "#6b7785", "#dfe4ea"
 BLUE, RED, GREEN, PURPLE = "#1f5fa8", "#c0432c", "#2f7d4f", "#6d4c9f"
@@ -68,14 +68,16 @@ class Panel:
 @mpl.rc_context(STYLE)
 def plot_lateral_force(dataset: xr.Dataset) -> Figure:
     """Lateral wheel/rail force on the leading axle against time, as report Figure 6-1."""
-    force = Panel(_values(dataset, "wheelset_11.force_y"), "lateral force", FORCE)
+    name = layout_of(dataset).quantities["force"].variable
+    force = Panel(_values(dataset, name), "lateral force", FORCE)
     return _response(dataset, force, "Leading axle of the front truck: lateral wheel/rail force")
 
 
 @mpl.rc_context(STYLE)
 def plot_displacement(dataset: xr.Dataset) -> Figure:
     """Leading axle's lateral displacement from the rails against time, as report Figure 6-2."""
-    gap = Panel(_values(dataset, "wheelset_11.y_rel"), "displacement", DISPLACEMENT, RED)
+    name = layout_of(dataset).quantities["displacement"].variable
+    gap = Panel(_values(dataset, name), "displacement", DISPLACEMENT, RED)
     title = "Leading axle of the front truck: lateral displacement relative to the rails"
     return _response(dataset, gap, title)
 
@@ -83,10 +85,8 @@ def plot_displacement(dataset: xr.Dataset) -> Figure:
 @mpl.rc_context(STYLE)
 def plot_track(dataset: xr.Dataset) -> Figure:
     """Irregularities under the leading axle against the distance run, without the empty ones."""
-    rail = {
-        name: _values(dataset, f"track.axle[1].rail_{name}")
-        for name in ("y_left", "y_right", "z_left", "z_right")
-    }
+    layout = layout_of(dataset)
+    rail = {side: _values(dataset, name) for side, name in layout.rails.items()}
     channels = [
         Panel((rail["y_left"] + rail["y_right"]) / 2, "alignment", DISPLACEMENT, BLUE),
         Panel((rail["z_left"] + rail["z_right"]) / 2, "profile", DISPLACEMENT, GREEN),
@@ -94,7 +94,7 @@ def plot_track(dataset: xr.Dataset) -> Figure:
         Panel(rail["y_left"] - rail["y_right"], "gauge", DISPLACEMENT, RED),
     ]
     drawn = [panel for panel in channels if np.any(np.abs(panel.values) > 0.0)]
-    distance = _values(dataset, "track.distance")
+    distance = _values(dataset, layout.distance)
     figure, axes = _panels(distance, drawn or channels[:1], top=0.8)
     title = "Track under the leading axle of the front truck"
     axes[0].set_title(_with_speed(title if drawn else f"{title}: perfect", dataset))
@@ -107,8 +107,9 @@ def plot_track(dataset: xr.Dataset) -> Figure:
 @mpl.rc_context(STYLE)
 def plot_carbody(dataset: xr.Dataset) -> Figure:
     """Carbody's lateral, roll and yaw motion and its accelerations against time."""
+    carbody = layout_of(dataset).carbody
     panels = [
-        Panel(_values(dataset, f"carbody.cg.{name}"), label, scale, colour)
+        Panel(_values(dataset, f"{carbody}.cg.{name}"), label, scale, colour)
         for name, label, scale, colour in (
             ("y", "lateral", DISPLACEMENT, BLUE),
             ("roll", "roll", ANGLE, GREEN),
@@ -218,7 +219,7 @@ def _values(dataset: xr.Dataset, name: str) -> np.ndarray:
 
 def _with_speed(title: str, dataset: xr.Dataset) -> str:
     """The title with the mean speed, where the dataset knows it."""
-    if "track.speed_out" not in dataset:
+    speed = mean_speed(dataset)
+    if speed is None:
         return title
-    speed = float(dataset["track.speed_out"].mean())
     return f"{title}, {speed / MILE_PER_HOUR:.1f} mph ({speed / FOOT:.0f} ft/s)"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .car.hopper import layout_of
 from .errors import TracktrainError
 
 if TYPE_CHECKING:
@@ -31,6 +32,12 @@ def opened(folder: Path) -> xr.Dataset:
         return xr.open_dataset(path, engine="netcdf4", cache=False)
     except (OSError, ValueError) as error:
         raise TracktrainError(f"'{path}' cannot be read: {error}") from None
+
+
+def mean_speed(dataset: xr.Dataset) -> float | None:
+    """Mean speed of the car in a run [m/s]; None where the run does not have it."""
+    name = layout_of(dataset).speed
+    return float(dataset[name].mean()) if name in dataset else None
 
 
 def bond_table(run: Run) -> pd.DataFrame:

@@ -19,10 +19,7 @@ from tracktrain.assessment.criteria import (
     nadal,
 )
 from tracktrain.assessment.rules import rules
-from tracktrain.car.hopper import (
-    TRUCKS,
-    WHEELSETS,
-)
+from tracktrain.car.hopper import HOPPER
 from tracktrain.cli.main import main
 
 SPEED, RATE, GRAVITY = 18.288, 1000, 9.80665
@@ -37,17 +34,17 @@ def motion(duration: float, frequency: float = 3.0, **amplitudes: float) -> xr.D
     variables = {"track.distance": SPEED * time, "carbody.cg.roll": 0.01 * wave}
     for end in ("front", "rear", "cg"):
         variables |= {f"carbody.{end}.{a}": given[a] * wave for a in ("ay", "az")}
-    for (truck, axle), wheelset in WHEELSETS.items():
-        variables[f"{wheelset}.force_y"] = given["force"] * wave
-        variables[f"{truck}.axle[{axle}].vy"] = given["vy"] * wave
+    for axle in HOPPER.axles:
+        variables[f"{axle.wheelset}.force_y"] = given["force"] * wave
+        variables[f"{axle.port}.vy"] = given["vy"] * wave
         for side, sign in (("left", 1), ("right", -1)):
             load = AXLE_LOAD / 2 * (1 + sign * given["load"] * wave)
-            variables[f"{truck}.axle[{axle}].load_{side}"] = load
-            variables[f"{wheelset}.{side}.l_over_v"] = np.full_like(time, given["ratio"])
+            variables[f"{axle.port}.load_{side}"] = load
+            variables[f"{axle.wheelset}.{side}.l_over_v"] = np.full_like(time, given["ratio"])
     masses = {"wheelset_mass": 1200.0, "side_frame_mass": 400.0, "bolster_mass": 800.0}
     parameters = {
         f"{truck}.{name}": value
-        for truck in TRUCKS
+        for truck in HOPPER.instances("truck")
         for name, value in {"axle_load": AXLE_LOAD, **masses}.items()
     }
     return xr.Dataset(

@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 
 from fmus import BLOCKS
+from tracktrain.car.changes import connected_ports
 from tracktrain.car.hopper import (
-    BLOCK_OF,
     CARS,
+    HOPPER,
     TRACKS,
     hopper_car,
-    required_ports,
 )
 from tracktrain.errors import HopperError
 
@@ -19,7 +19,7 @@ def test_every_input_but_the_speed_is_driven_exactly_once() -> None:
     targets = [connection.target for connection in hopper_car().connections]
     expected = {
         f"{instance}.{port.name}"
-        for instance, block in BLOCK_OF.items()
+        for instance, block in HOPPER.blocks.items()
         for port in BLOCKS[block].inputs
         if not port.optional
     }
@@ -70,7 +70,7 @@ def test_tracks_of_the_command_are_the_spectra_of_the_block() -> None:
 
 
 def test_ports_that_a_stand_in_needs_are_those_that_are_connected() -> None:
-    assert required_ports("wheelset_11") == {
+    assert connected_ports(hopper_car(), "wheelset_11") == {
         *("y", "yaw", "vy", "wz", "speed", "load_left", "load_right"),
         *("rail_y_left", "rail_y_right", "force_y", "moment_z"),
     }

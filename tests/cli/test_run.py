@@ -14,7 +14,7 @@ from matplotlib.image import imread
 
 from fmus import BLOCKS
 from fmus.catalogue import fmu_path
-from tracktrain.car.hopper import BLOCK_OF
+from tracktrain.car.hopper import HOPPER
 from tracktrain.cli.main import main
 
 PICTURES = ("lateral_force.png", "displacement.png", "track.png", "carbody.png")
@@ -85,7 +85,7 @@ def test_results_hold_every_output_of_the_port_table_in_its_unit(dataset: xr.Dat
 def test_results_hold_every_output_and_the_input_that_nothing_drives(dataset: xr.Dataset) -> None:
     outputs = {
         f"{instance}.{port.name}"
-        for instance, block in BLOCK_OF.items()
+        for instance, block in HOPPER.blocks.items()
         for port in BLOCKS[block].outputs
     }
     assert set(dataset.data_vars) == outputs | {"track.speed"}
@@ -100,7 +100,7 @@ def test_results_say_where_they_come_from(dataset: xr.Dataset) -> None:
     assert dataset.attrs["command"].startswith("tracktrain run --duration 0.5s --out ")
     parameters = json.loads(dataset.attrs["parameters"])
     assert parameters["carbody.body_mass"] == pytest.approx(201_000 * 0.45359237)
-    for instance, block in BLOCK_OF.items():
+    for instance, block in HOPPER.blocks.items():
         digest = hashlib.sha256(fmu_path(block).read_bytes()).hexdigest()
         assert json.loads(dataset.attrs["fmus"])[instance]["sha256"] == digest
 

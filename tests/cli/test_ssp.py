@@ -11,7 +11,7 @@ import xarray as xr
 from click.testing import CliRunner
 
 from fmus.catalogue import fmu_path
-from tracktrain.car.hopper import BLOCK_OF
+from tracktrain.car.hopper import HOPPER
 from tracktrain.cli import main as cli
 from tracktrain.cli.main import main
 
@@ -74,7 +74,7 @@ def test_swapped_fmu_goes_along(tmp_path):
 
 
 def test_car_of_fmi_3_blocks_goes_through_ssp_2_to_the_last_bit(tmp_path):
-    swaps = [f"{name}={fmu_path(block, '3.0')}" for name, block in BLOCK_OF.items()]
+    swaps = [f"{name}={fmu_path(block, '3.0')}" for name, block in HOPPER.blocks.items()]
     shape = [*(part for swap in swaps for part in ("--swap", swap)), "--duration", "50ms"]
     path, direct, from_file = tmp_path / "three.ssp", tmp_path / "direct", tmp_path / "file"
     assert tracktrain("export", str(path), *shape)[0] == 0

@@ -30,7 +30,7 @@ from orchestrator import (
 )
 from tracktrain.car.changes import swapped
 from tracktrain.car.hopper import (
-    BLOCK_OF,
+    HOPPER,
     hopper_car,
 )
 
@@ -324,7 +324,7 @@ def test_the_car_runs_the_same_with_a_block_in_python(flavors, instance):
         return np.array([done.dataset[name].values for name in sorted(done.dataset.data_vars)])
 
     car = hopper_car()
-    swap, lacking = swapped(car, instance, flavors[BLOCK_OF[instance]])
+    swap, lacking = swapped(car, instance, flavors[HOPPER.blocks[instance]])
     assert lacking == []
     native, ours = run(car), run(swap)
     scale = np.abs(native).max(1, keepdims=True)

@@ -15,7 +15,7 @@ import xarray as xr
 from click.testing import CliRunner
 
 from tracktrain.car.shapes import (
-    COORDINATES,
+    COUNT,
     unit_motions,
     wire_frame,
 )
@@ -51,9 +51,9 @@ def plain(rows: int = 400) -> xr.Dataset:
 def test_motions_of_the_wire_frame_add_up_to_any_shape() -> None:
     lines, motions = unit_motions(BODY, TRUCK)
     rng = np.random.default_rng(3)
-    shape = dict(zip(COORDINATES, rng.normal(size=(len(COORDINATES), 2)) @ [1, 1j], strict=True))
+    shape = rng.normal(size=(COUNT, 2)) @ [1, 1j]
     whole = np.concatenate([line.motion for line in wire_frame(shape, BODY, TRUCK)])
-    summed = np.tensordot([shape[name] for name in COORDINATES], motions, axes=1)
+    summed = np.tensordot(shape, motions, axes=1)
     np.testing.assert_allclose(summed, whole, atol=1e-12)
     assert sum(len(line.points) for line in lines) == motions.shape[1]
 
@@ -130,7 +130,7 @@ def test_run_writes_its_page_with_all_that_it_is_made_of(hopper_run: Path) -> No
         assert "1.25 Hz roll mode within 5 %" in text  # a parameter's source
         assert "truck_rear.car.moment_z * carbody.rear.wz" in text  # a bond
         drawing, arrays = scene(dataset) or pytest.fail("no scene")
-        assert arrays["coordinates"].shape == (101, len(COORDINATES))
+        assert arrays["coordinates"].shape == (101, COUNT)
         assert arrays["way"][-1] == pytest.approx(18.288)
         named, _ = modes(dataset) or pytest.fail("no modes")
         assert any(mode["name"] == "torsion" or "roll" in mode["name"] for mode in named)

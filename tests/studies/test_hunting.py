@@ -9,6 +9,7 @@ from click.testing import CliRunner
 
 from orchestrator import Session
 from tracktrain.car.linear import LinearCar
+from tracktrain.car.modes import critical_speeds
 from tracktrain.cli.main import main
 from tracktrain.scales import FOOT
 from tracktrain.studies.hunting.runs import (
@@ -17,7 +18,6 @@ from tracktrain.studies.hunting.runs import (
     on_perfect_track,
 )
 from tracktrain.studies.hunting.study import hunting
-from tracktrain.studies.stability import critical_speeds
 
 YAW = np.deg2rad(0.005)
 

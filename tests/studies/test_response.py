@@ -11,12 +11,12 @@ from orchestrator import (
     System,
     linearise,
 )
-from tracktrain.car.hopper import hopper_car
+from tracktrain.car.hopper import HOPPER, hopper_car
 from tracktrain.cli.main import main
 from tracktrain.scales import FOOT
 from tracktrain.studies.response.study import (
-    RESPONSES,
     response,
+    responses,
 )
 
 SPEED = 40 * FOOT
@@ -42,7 +42,7 @@ def test_small_motion_follows_the_track_alone(tiny):
 @pytest.mark.parametrize("name", ["displacement", "truck_yaw"])
 def test_transfer_function_is_that_of_the_linearised_fmus(tiny, name):
     gain = band(tiny, f"{name}_gain").sel(frequency=slice(2.0, 3.0))
-    output = RESPONSES[name].variable
+    output = responses(HOPPER)[name].variable
     exact = np.array([linear_gain(output, f) for f in gain.frequency.values])
     assert gain.values == pytest.approx(exact, rel=tolerances.WELCH_GAIN)
 
@@ -113,7 +113,7 @@ def test_the_reports_figures_are_drawn_and_envelopes_are_ordered(usual, tmp_path
     assert figures | {"spectra.png", "transfer_functions.png", "envelopes.png"} <= names
     table = usual.tables["rms_envelope"]
     assert (table["5%"] <= table["50%"]).all() and (table["50%"] <= table["95%"]).all()
-    assert len(table) == 2 * len(RESPONSES)
+    assert len(table) == 2 * len(responses(HOPPER))
 
 
 def test_the_command_says_what_is_wrong_with_a_setting(tmp_path):

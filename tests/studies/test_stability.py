@@ -7,6 +7,7 @@ import pytest
 import tolerances
 
 from tracktrain.car.linear import LinearCar
+from tracktrain.car.modes import critical_speeds, follow
 from tracktrain.errors import HopperError
 from tracktrain.scales import (
     FOOT,
@@ -14,11 +15,7 @@ from tracktrain.scales import (
     POUND_FORCE,
 )
 from tracktrain.studies.sensitivity import sensitivity
-from tracktrain.studies.stability import (
-    critical_speeds,
-    follow,
-    stability,
-)
+from tracktrain.studies.stability import RingDown, stability
 
 pytestmark = pytest.mark.xdist_group("stability")  # one worker makes what all share
 
@@ -87,7 +84,7 @@ def test_equivalent_damper_takes_as_much_energy_as_friction():
 def test_ring_down_of_the_fmus_tells_the_same_growth_as_the_eigenvalues():
     outcome = stability(
         speeds=np.array([50.0, 60.0]) * FOOT,
-        ring_down=(50 * FOOT, 60 * FOOT, 100 * FOOT),
+        ring_down=RingDown((50 * FOOT, 60 * FOOT, 100 * FOOT)),
         animate=False,
     )
     table = outcome.tables["ring_down"]

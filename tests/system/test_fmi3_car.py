@@ -22,17 +22,19 @@ from orchestrator import (
 from orchestrator.results.run import Run
 from tracktrain.car.changes import swapped
 from tracktrain.car.hopper import (
-    BLOCK_OF,
+    HOPPER,
     hopper_car,
 )
 
-INSTANCES = tuple(BLOCK_OF)
+INSTANCES = tuple(HOPPER.blocks)
 
 
 def run_of(*in_fmi3: str, master: str = "one-pass", **options: Any) -> Run:
     car = hopper_car(track="fra4")
     components = {
-        name: replace(component, fmu=fmu_path(BLOCK_OF[name], "3.0" if name in in_fmi3 else "2.0"))
+        name: replace(
+            component, fmu=fmu_path(HOPPER.blocks[name], "3.0" if name in in_fmi3 else "2.0")
+        )
         for name, component in car.components.items()
     }
     car = replace(car, components=components)
@@ -88,7 +90,7 @@ def test_fmi3_car_goes_on_from_a_checkpoint_to_the_same_bits(tmp_path: Path) -> 
     """With what its adaptors remember, too: the last positions of a differentiated velocity."""
     car = hopper_car(track="fra4")
     components = {
-        name: replace(component, fmu=fmu_path(BLOCK_OF[name], "3.0"))
+        name: replace(component, fmu=fmu_path(HOPPER.blocks[name], "3.0"))
         for name, component in car.components.items()
     }
     components["carbody"] = replace(
@@ -117,7 +119,7 @@ def test_steps_are_repeated_through_adaptors_too() -> None:
     components = {
         name: replace(
             component,
-            fmu=fmu_path(BLOCK_OF[name], "3.0"),
+            fmu=fmu_path(HOPPER.blocks[name], "3.0"),
             ports=PortMap({}, {"front.differentiated": "front.y"}) if name == "carbody" else None,
         )
         for name, component in car.components.items()

@@ -19,7 +19,7 @@ from orchestrator import (
     simulate,
 )
 from tracktrain.car.hopper import (
-    BLOCK_OF,
+    HOPPER,
     hopper_car,
 )
 
@@ -128,12 +128,16 @@ def test_co_simulation_converges_to_its_twin(struck):
     assert errors[1] < errors[0] / 4
 
 
-@pytest.mark.parametrize("in_fmi3", [tuple(BLOCK_OF), tuple(BLOCK_OF)[::2]], ids=["all", "mixed"])
+@pytest.mark.parametrize(
+    "in_fmi3", [tuple(HOPPER.blocks), tuple(HOPPER.blocks)[::2]], ids=["all", "mixed"]
+)
 def test_fmus_of_fmi_3_have_the_same_exponents_and_the_same_motion_to_the_last_bit(in_fmi3):
     """Their states are elements of arrays, of which each derivative asks for all."""
     car = hopper_car(track="fra4").with_value("truck_front.initial.bolster_lateral_rate", 0.6)
     components = {
-        name: replace(component, fmu=fmu_path(BLOCK_OF[name], "3.0" if name in in_fmi3 else "2.0"))
+        name: replace(
+            component, fmu=fmu_path(HOPPER.blocks[name], "3.0" if name in in_fmi3 else "2.0")
+        )
         for name, component in car.components.items()
     }
     newer = replace(car, components=components)

@@ -18,7 +18,7 @@ from orchestrator.trust import CHECKS
 from orchestrator.trust.self_test import self_test
 from orchestrator.trust.tested import self_tests
 from tracktrain.car.hopper import (
-    BLOCK_OF,
+    HOPPER,
     hopper_car,
 )
 
@@ -152,4 +152,4 @@ def ours():
 @pytest.mark.parametrize("instance", ["carbody", "truck_front", "wheelset_11", "track"])
 def test_our_fmus_pass_every_check(ours, instance):
     assert ours[instance].passed == CHECKS
-    assert ours[instance].label == f"{BLOCK_OF[instance]}.fmu"
+    assert ours[instance].label == f"{HOPPER.blocks[instance]}.fmu"

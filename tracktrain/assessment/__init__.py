@@ -5,20 +5,20 @@ table = assess(run.dataset)
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import pandas as pd
+import xarray as xr
 
+from .car import Car
+from .criteria import (
+    LIMITS,
+    MEASURES,
+)
 from .rules import (
     NotApplicableError,
     Rule,
     from_si,
     rules,
 )
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-
-    from .car import Car
 
 PASSED, EXCEEDED, NO_LIMIT = "passed", "exceeded", "no limit"
 
@@ -30,10 +30,6 @@ def assess(dataset: xr.Dataset) -> pd.DataFrame:
     that of the admissible unloading), result (passed, exceeded, no limit, or not applicable and
     why), statistic, filter, window, formula, source, verified (whether the limit was read there).
     """
-    import pandas as pd
-
-    from .car import Car
-
     try:
         car: Car | NotApplicableError = Car(dataset)
     except NotApplicableError as reason:
@@ -61,11 +57,6 @@ def _row(car: Car | NotApplicableError, rule: Rule) -> dict[str, object]:
 
 
 def _found(car: Car | NotApplicableError, rule: Rule) -> dict[str, object]:
-    from .criteria import (
-        LIMITS,
-        MEASURES,
-    )
-
     if isinstance(car, NotApplicableError):
         raise car
     if rule.inapplicable:

@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 from scipy import signal
 
-from ..car.hopper import WHEELSETS
+from orchestrator import dominant_frequency
+
+from ..car.hopper import layout_of
+from ..car.layout import Axle, Truck
 from .rules import (
     Band,
     NotApplicableError,
     Rule,
 )
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 Array = NDArray[np.float64]
-SIDES = ("left", "right")
 SAMPLES_PER_CYCLE = 4
 """At the upper corner of a filter, at least."""
 
@@ -33,7 +33,7 @@ class Car:
     """Signals of a run of the car; all of them raise NotApplicableError where the run lacks one."""
 
     def __init__(self, dataset: xr.Dataset) -> None:
-        self._dataset = dataset
+        self._dataset, self.layout = dataset, layout_of(dataset)
         self.time = dataset["time"].values
         if len(self.time) < 2:
             raise NotApplicableError("the run has no more than one row")
@@ -54,35 +54,46 @@ class Car:
     @cached_property
     def distance(self) -> Array:
         """Way run since the start [m]."""
-        way = self["track.distance"]
+        way = self[self.layout.distance]
         return way - way[0]
 
-    def load(self, truck: str, axle: int, side: str, rule: Rule) -> Array:
+    def load(self, axle: Axle, side: str, rule: Rule) -> Array:
         """Vertical force of a wheel on its rail [N]."""
-        return self.filtered(self[f"{truck}.axle[{axle}].load_{side}"], rule.band)
+        return self.filtered(self[f"{axle.port}.load_{side}"], rule.band)
 
-    def lateral(self, truck: str, axle: int, side: str, rule: Rule) -> Array:
+    def lateral(self, axle: Axle, side: str, rule: Rule) -> Array:
         """Outward force of a wheel on its rail [N]."""
-        ratio = self[f"{WHEELSETS[truck, axle]}.{side}.l_over_v"]
-        load = self[f"{truck}.axle[{axle}].load_{side}"]
+        ratio = self[f"{axle.wheelset}.{side}.l_over_v"]
+        load = self[f"{axle.port}.load_{side}"]
         return self.filtered(ratio * load, rule.band)
 
-    def net_lateral(self, truck: str, axle: int, rule: Rule) -> Array:
+    def net_lateral(self, axle: Axle, rule: Rule) -> Array:
         """Lateral force of the rails on a wheelset [N]."""
-        return self.filtered(self[f"{WHEELSETS[truck, axle]}.force_y"], rule.band)
+        return self.filtered(self[f"{axle.wheelset}.force_y"], rule.band)
 
-    def axle_acceleration(self, truck: str, axle: int) -> Array:
+    def axle_acceleration(self, axle: Axle) -> Array:
         """Lateral acceleration of a wheelset and of the side frames above it [m/s2]."""
-        return np.gradient(self[f"{truck}.axle[{axle}].vy"], 1 / self.rate)
+        return np.gradient(self[f"{axle.port}.vy"], 1 / self.rate)
 
-    def static_axle_load(self, truck: str) -> float:
+    def static_axle_load(self, truck: Truck) -> float:
         """[N]"""
-        return self.parameter(f"{truck}.axle_load")
+        return self.parameter(f"{truck.instance}.axle_load")
 
-    def truck_mass(self, truck: str) -> float:
+    @property
+    def least_axle_load(self) -> float:
+        """The smallest static load of any axle [N]."""
+        return min(map(self.static_axle_load, self.layout.trucks))
+
+    def truck_mass(self, truck: Truck) -> float:
         """[kg]"""
         masses = {"wheelset_mass": 2, "side_frame_mass": 2, "bolster_mass": 1}
-        return sum(n * self.parameter(f"{truck}.{name}") for name, n in masses.items())
+        return sum(n * self.parameter(f"{truck.instance}.{name}") for name, n in masses.items())
+
+    def ends(self, quantity: str, rule: Rule) -> Iterator[tuple[str, Array]]:
+        """A motion of the carbody above each truck, in the rule's band, by place."""
+        for truck in self.layout.trucks:
+            place = f"{self.layout.carbody} {truck.end}"
+            yield place, self.filtered(self[f"{self.layout.plate(truck)}.{quantity}"], rule.band)
 
     def filtered(self, values: Array, band: Band | None) -> Array:
         """The values in a band: Butterworth filters of second order, forwards and backwards."""
@@ -128,10 +139,6 @@ class Car:
         return said
 
     def _dominant(self, values: Array) -> float:
-        import xarray as xr
-
-        from orchestrator.results.metrics import dominant_frequency
-
         found = dominant_frequency(xr.DataArray(values, {"time": self.time}, ["time"]))
         if np.isnan(found):
             raise NotApplicableError("nothing moves")

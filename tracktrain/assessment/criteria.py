@@ -10,13 +10,13 @@ from math import tan
 
 import numpy as np
 
-from ..car.hopper import (
-    TRUCKS,
-    WHEELSETS,
+from ..car.layout import (
+    SIDES,
+    Axle,
+    Truck,
 )
 from . import windows
 from .car import (
-    SIDES,
     Array,
     Car,
 )
@@ -39,7 +39,6 @@ Measure = Callable[[Car, Rule], Found]
 Formula = Callable[[Car], float]
 MEASURES: dict[str, Measure] = {}
 LIMITS: dict[str, Formula] = {}
-ENDS = ("front", "rear")
 
 
 def measure(*keys: str) -> Callable[[Measure], Measure]:
@@ -75,14 +74,14 @@ def _nadal(car: Car) -> float:
 @limit("net_axle_l_over_v")
 def _net_axle(car: Car) -> float:
     """49 CFR 213.333"""
-    kips = min(map(car.static_axle_load, TRUCKS)) / to_si(1.0, "kip")
+    kips = car.least_axle_load / to_si(1.0, "kip")
     return 0.4 + 5.0 / kips
 
 
 @limit("en_axle_force")
 def _axle_force(car: Car) -> float:
     """EN 14363"""
-    wheel = min(map(car.static_axle_load, TRUCKS)) / 2
+    wheel = car.least_axle_load / 2
     return parameter("freight_factor") * (10e3 + 2 * wheel / 3)
 
 
@@ -95,24 +94,26 @@ def _instability_force(car: Car) -> float:
 @limit("en_wheel_load")
 def _wheel_load(car: Car) -> float:
     """EN 14363"""
-    return min(90e3 + min(map(car.static_axle_load, TRUCKS)) / 2, 200e3)
+    return min(90e3 + car.least_axle_load / 2, 200e3)
 
 
 @limit("en_instability_acceleration")
 def _instability_acceleration(car: Car) -> float:
     """EN 14363"""
-    return (12 - max(map(car.truck_mass, TRUCKS)) / 1e3 / 5) / 2
+    return (12 - max(map(car.truck_mass, car.layout.trucks)) / 1e3 / 5) / 2
 
 
-def _wheels() -> Iterator[tuple[str, int, str, str]]:
-    for (truck, axle), wheelset in WHEELSETS.items():
-        for side in SIDES:
-            yield truck, axle, side, f"{wheelset} {side}"
+def _wheels(car: Car) -> Iterator[tuple[Truck, Axle, str, str]]:
+    """Each wheel's truck, axle, side and place."""
+    for truck in car.layout.trucks:
+        for axle in truck.axles:
+            for side in SIDES:
+                yield truck, axle, side, f"{axle.wheelset} {side}"
 
 
-def _ratio(car: Car, rule: Rule, truck: str, axle: int, side: str) -> Array:
+def _ratio(car: Car, rule: Rule, axle: Axle, side: str) -> Array:
     """Size of a wheel's L/V."""
-    lateral, load = (part(truck, axle, side, rule) for part in (car.lateral, car.load))
+    lateral, load = (part(axle, side, rule) for part in (car.lateral, car.load))
     return np.abs(_over(lateral, load))
 
 
@@ -123,49 +124,49 @@ def _over(part: Array, whole: Array) -> Array:
 
 @measure("wheel_l_over_v")
 def _wheel_l_over_v(car: Car, rule: Rule) -> Found:
-    for truck, axle, side, place in _wheels():
-        ratio = _ratio(car, rule, truck, axle, side)
+    for _, axle, side, place in _wheels(car):
+        ratio = _ratio(car, rule, axle, side)
         yield place, windows.held_above(*car.windowed(ratio, rule)).max()
 
 
 @measure("wheel_load_ratio", "aar_wheel_unloading")
 def _wheel_load_ratio(car: Car, rule: Rule) -> Found:
-    for truck, axle, side, place in _wheels():
-        ratio = 2 * car.load(truck, axle, side, rule) / car.static_axle_load(truck)
+    for truck, axle, side, place in _wheels(car):
+        ratio = 2 * car.load(axle, side, rule) / car.static_axle_load(truck)
         yield place, windows.held_below(*car.windowed(ratio, rule)).min()
 
 
 @measure("net_axle_l_over_v")
 def _net_axle_l_over_v(car: Car, rule: Rule) -> Found:
-    for (truck, axle), wheelset in WHEELSETS.items():
-        force = car.net_lateral(truck, axle, rule)
-        ratio = np.abs(force) / car.static_axle_load(truck)
-        yield wheelset, windows.held_above(*car.windowed(ratio, rule)).max()
+    for truck in car.layout.trucks:
+        for axle in truck.axles:
+            ratio = np.abs(car.net_lateral(axle, rule)) / car.static_axle_load(truck)
+            yield axle.wheelset, windows.held_above(*car.windowed(ratio, rule)).max()
 
 
 @measure("truck_side_l_over_v")
 def _truck_side_l_over_v(car: Car, rule: Rule) -> Found:
-    for truck in TRUCKS:
+    for truck in car.layout.trucks:
         for side in SIDES:
-            lateral = sum(car.lateral(truck, axle, side, rule) for axle in (1, 2))
-            load = sum(car.load(truck, axle, side, rule) for axle in (1, 2))
+            lateral = sum(car.lateral(axle, side, rule) for axle in truck.axles)
+            load = sum(car.load(axle, side, rule) for axle in truck.axles)
             ratio = np.abs(_over(np.asarray(lateral), np.asarray(load)))
-            yield f"{truck} {side}", windows.held_above(*car.windowed(ratio, rule)).max()
+            yield f"{truck.instance} {side}", windows.held_above(*car.windowed(ratio, rule)).max()
 
 
 @measure("aar_axle_sum")
 def _axle_sum(car: Car, rule: Rule) -> Found:
-    for (truck, axle), wheelset in WHEELSETS.items():
-        left, right = (_ratio(car, rule, truck, axle, side) for side in SIDES)
-        yield wheelset, windows.held_above(*car.windowed(left + right, rule)).max()
+    for axle in car.layout.axles:
+        left, right = (_ratio(car, rule, axle, side) for side in SIDES)
+        yield axle.wheelset, windows.held_above(*car.windowed(left + right, rule)).max()
 
 
 @measure("truck_lateral_acceleration")
 def _truck_lateral(car: Car, rule: Rule) -> Found:
-    for truck in TRUCKS:
-        frame = (car.axle_acceleration(truck, 1) + car.axle_acceleration(truck, 2)) / 2
-        kept = car.filtered(frame, rule.band)
-        yield truck, windows.moving_rms_about_trend(*car.windowed(kept, rule)).max()
+    for truck in car.layout.trucks:
+        leading, trailing = map(car.axle_acceleration, truck.axles)
+        kept = car.filtered((leading + trailing) / 2, rule.band)
+        yield truck.instance, windows.moving_rms_about_trend(*car.windowed(kept, rule)).max()
 
 
 def _axis(rule: Rule) -> str:
@@ -174,71 +175,75 @@ def _axis(rule: Rule) -> str:
 
 @measure("carbody_lateral_transient", "carbody_vertical_transient")
 def _carbody_transient(car: Car, rule: Rule) -> Found:
-    for end in ENDS:
-        kept = car.filtered(car[f"carbody.{end}.{_axis(rule)}"], rule.band)
+    for place, kept in car.ends(_axis(rule), rule):
         values, count = car.windowed(kept, rule)
         ignored = max(round(rule.ignored * car.rate), 1)
-        yield f"carbody {end}", windows.moving_peak_to_peak(values, count, ignored).max()
+        yield place, windows.moving_peak_to_peak(values, count, ignored).max()
 
 
 @measure("carbody_lateral_oscillation", "carbody_vertical_oscillation")
 def _carbody_oscillation(car: Car, rule: Rule) -> Found:
-    for end in ENDS:
-        kept = car.filtered(car[f"carbody.{end}.{_axis(rule)}"], rule.band)
-        yield f"carbody {end}", windows.moving_rms_about_trend(*car.windowed(kept, rule)).max()
+    for place, kept in car.ends(_axis(rule), rule):
+        yield place, windows.moving_rms_about_trend(*car.windowed(kept, rule)).max()
 
 
 @measure("aar_hunting")
 def _hunting(car: Car, rule: Rule) -> Found:
-    for end in ENDS:
-        values = car.filtered(car[f"carbody.{end}.ay"], rule.band)
-        yield f"carbody {end}", windows.moving_deviation(*car.windowed(values, rule)).max()
+    for place, kept in car.ends("ay", rule):
+        yield place, windows.moving_deviation(*car.windowed(kept, rule)).max()
 
 
 @measure("aar_peak_to_peak")
 def _peak_to_peak(car: Car, rule: Rule) -> Found:
-    for end in ENDS:
-        yield f"carbody {end}", np.ptp(car.filtered(car[f"carbody.{end}.ay"], rule.band))
+    for place, kept in car.ends("ay", rule):
+        yield place, np.ptp(kept)
 
 
 @measure("aar_roll")
 def _roll(car: Car, rule: Rule) -> Found:
-    yield "carbody", np.ptp(car["carbody.cg.roll"])
+    yield car.layout.carbody, np.ptp(car[f"{car.layout.carbody}.cg.roll"])
 
 
 @measure("en_axle_force")
 def _sum_y(car: Car, rule: Rule) -> Found:
-    for (truck, axle), wheelset in WHEELSETS.items():
-        force = car.net_lateral(truck, axle, rule)
-        mean = windows.moving_mean(*car.windowed(force, rule))
-        yield wheelset, windows.percentile_extreme(mean)
+    for axle in car.layout.axles:
+        mean = windows.moving_mean(*car.windowed(car.net_lateral(axle, rule), rule))
+        yield axle.wheelset, windows.percentile_extreme(mean)
 
 
 @measure("en_wheel_load")
 def _largest_load(car: Car, rule: Rule) -> Found:
-    for truck, axle, side, place in _wheels():
-        yield place, windows.percentile_extreme(car.load(truck, axle, side, rule))
+    for _, axle, side, place in _wheels(car):
+        yield place, windows.percentile_extreme(car.load(axle, side, rule))
 
 
 @measure("en_instability_force")
 def _unstable_force(car: Car, rule: Rule) -> Found:
-    for (truck, axle), wheelset in WHEELSETS.items():
-        force = car.net_lateral(truck, axle, rule)
-        yield wheelset, windows.moving_rms(*car.windowed(force, rule)).max()
+    for axle in car.layout.axles:
+        force = car.net_lateral(axle, rule)
+        yield axle.wheelset, windows.moving_rms(*car.windowed(force, rule)).max()
 
 
 @measure("en_instability_acceleration")
 def _unstable_acceleration(car: Car, rule: Rule) -> Found:
-    for (truck, axle), wheelset in WHEELSETS.items():
-        kept = car.filtered(car.axle_acceleration(truck, axle), rule.band)
-        yield wheelset, windows.moving_rms(*car.windowed(kept, rule)).max()
+    for axle in car.layout.axles:
+        kept = car.filtered(car.axle_acceleration(axle), rule.band)
+        yield axle.wheelset, windows.moving_rms(*car.windowed(kept, rule)).max()
 
 
 @measure("en_carbody_lateral")
 def _ride_acceleration(car: Car, rule: Rule) -> Found:
-    for end in ENDS:
-        kept = car.filtered(car[f"carbody.{end}.ay"], rule.band)
-        yield f"carbody {end}", windows.percentile_extreme(kept)
+    for place, kept in car.ends("ay", rule):
+        yield place, windows.percentile_extreme(kept)
+
+
+def _at_centre(car: Car, rule: Rule) -> Array:
+    """Acceleration at the carbody's centre of gravity."""
+    return car[f"{car.layout.carbody}.cg.{_axis(rule)}"]
+
+
+def _centre(car: Car) -> str:
+    return f"{car.layout.carbody}, centre of gravity"
 
 
 def _weighted(car: Car, rule: Rule) -> Array:
@@ -247,22 +252,21 @@ def _weighted(car: Car, rule: Rule) -> Array:
         raise NotApplicableError(
             f"{car.rate:.4g} rows a second are too few; the weighting needs {LEAST_RATE:g}"
         )
-    return weighting.weighted(car[f"carbody.cg.{_axis(rule)}"], car.rate)
+    return weighting.weighted(_at_centre(car, rule), car.rate)
 
 
 @measure("iso_lateral", "iso_vertical")
 def _comfort(car: Car, rule: Rule) -> Found:
-    yield "carbody, centre of gravity", np.sqrt(np.mean(_weighted(car, rule) ** 2))
+    yield _centre(car), np.sqrt(np.mean(_weighted(car, rule) ** 2))
 
 
 @measure("iso_lateral_transient", "iso_vertical_transient")
 def _transient_comfort(car: Car, rule: Rule) -> Found:
     values, count = car.windowed(_weighted(car, rule), rule)
-    yield "carbody, centre of gravity", windows.moving_rms(values, count).max()
+    yield _centre(car), windows.moving_rms(values, count).max()
 
 
 @measure("sperling_lateral", "sperling_vertical")
 def _sperling(car: Car, rule: Rule) -> Found:
     direction = rule.key.removeprefix("sperling_")
-    acceleration = car[f"carbody.cg.{_axis(rule)}"]
-    yield "carbody, centre of gravity", sperling(acceleration, car.rate, direction)
+    yield _centre(car), sperling(_at_centre(car, rule), car.rate, direction)

@@ -5,24 +5,20 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+from orchestrator import (
+    Description,
+    PortMap,
+    System,
+    Value,
+    describe,
+)
 
 from ..errors import (
     HopperError,
     choices,
 )
-from .hopper import (
-    BLOCK_OF,
-    required_ports,
-)
-
-if TYPE_CHECKING:
-    from orchestrator import (
-        Description,
-        PortMap,
-        System,
-    )
-    from orchestrator.system.system import Value
+from .hopper import layout_of
 
 COORDINATE = "initial."
 
@@ -37,16 +33,15 @@ def swapped(
     from its positions. Raises HopperError when ports are missing, and orchestrator.FmuError for a
     file that cannot be coupled.
     """
-    from orchestrator import describe
-
     own = describe(_fmu(system, instance))
     ports, found = seen(system, instance, path, ports)
-    missing = sorted(name for name in required_ports(instance) if found.find(name) is None)
+    missing = sorted(name for name in connected_ports(system, instance) if found.find(name) is None)
     if missing:
+        block = layout_of(system).blocks[instance]
         raise HopperError(
             f"'{path}' cannot stand in for {instance}: it lacks the ports {', '.join(missing)}; "
-            f"give an FMU with all ports of the block '{BLOCK_OF[instance]}', or a map that says "
-            "what they are called"
+            f"give an FMU with all ports of the block '{block}', or a map that says what they are "
+            "called"
         )
     swap = system.with_fmu(instance, path, ports)
     component = swap.components[instance]
@@ -77,19 +72,18 @@ def seen(
     system: System, instance: str, path: Path, ports: PortMap | None
 ) -> tuple[PortMap | None, Description]:
     """A map fitted to an instance, None if it changes nothing, and an FMU as seen through it."""
-    from orchestrator import (
-        PortMap,
-        describe,
-    )
-
-    found = describe(path)
-    ends = [end for c in system.connections for end in (c.source, c.target)]
-    owned = (end.partition(".")[::2] for end in ends)
-    needed = {name for owner, name in owned if owner == instance}
-    fitted = (ports or PortMap()).fitted(describe(_fmu(system, instance)), found, needed)
+    own, found = describe(_fmu(system, instance)), describe(path)
+    fitted = (ports or PortMap()).fitted(own, found, connected_ports(system, instance))
     if fitted == PortMap():
         return None, found
     return fitted, fitted.applied(found)
+
+
+def connected_ports(system: System, instance: str) -> set[str]:
+    """Names of the variables that an FMU standing in for `instance` must have."""
+    ends = [end for c in system.connections for end in (c.source, c.target)]
+    owned = (end.partition(".")[::2] for end in ends)
+    return {name for owner, name in owned if owner == instance}
 
 
 def differentiated(ports: PortMap) -> str:
@@ -106,13 +100,12 @@ def displaced(system: System, instance: str, coordinate: str, value: str) -> Sys
 
     Raises HopperError for a coordinate that the instance has not.
     """
-    from orchestrator import describe
-
     variables = describe(_fmu(system, instance)).variables
     known = [name.removeprefix(COORDINATE) for name in variables if name.startswith(COORDINATE)]
     if not known:
+        *others, last = layout_of(system).bodies
         raise HopperError(
-            f"{instance} has no initial coordinates; carbody, truck_front and truck_rear have"
+            f"{instance} has no initial coordinates; {', '.join(others)} and {last} have"
         )
     if coordinate not in known:
         raise HopperError(
@@ -127,8 +120,6 @@ def assigned(system: System, instance: str, name: str, value: str) -> System:
     Raises HopperError for a number without the unit that it needs; the orchestrator refuses
     whatever else does not fit when the run begins.
     """
-    from orchestrator import describe
-
     variable = describe(_fmu(system, instance)).variables.get(name)
     unit = variable.unit if variable else None
     if unit not in (None, "", "1") and _is_bare_number(value):
@@ -146,6 +137,10 @@ def _with_unit(value: Value, unit: str | None) -> Value:
 
 
 def _fmu(system: System, instance: str) -> Path:
+    if instance not in system.components:
+        raise HopperError(
+            f"there is no instance '{instance}'; {choices(instance, system.components)}"
+        )
     return Path(str(system.components[instance].fmu))
 
 

@@ -8,6 +8,13 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
+from fmus.catalogue import fmu_path
+from orchestrator import (
+    Component,
+    System,
+    Value,
+)
+
 from ..errors import (
     HopperError,
     choices,
@@ -19,9 +26,6 @@ from .layout import (
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from orchestrator import System
-    from orchestrator.system.system import Value
 
 TRACKS = (
     "report",
@@ -51,15 +55,6 @@ class Vehicle:
     parameters: str
 
 
-BLOCK_OF = HOPPER.blocks
-TRUCKS = HOPPER.instances("truck")
-WHEELSETS = {
-    (truck.instance, axle): wheelset
-    for truck in HOPPER.trucks
-    for axle, wheelset in enumerate(truck.wheelsets, start=1)
-}
-required_ports = HOPPER.required_ports
-
 CARS = {name: Vehicle(HOPPER, name) for name in ("loaded", "empty", "report-linear")}
 """All cars by name. Another car is one more entry."""
 
@@ -75,14 +70,7 @@ def hopper_car(
     The FMUs are the catalogue's, built for this machine if they are not there. `seed` chooses the
     realisation of the irregularities. Raises HopperError for a car, track or speed that is not.
     """
-    from fmus.catalogue import fmu_path
-    from orchestrator import (
-        Component,
-        System,
-    )
-
-    if car not in CARS:
-        raise HopperError(f"there is no car '{car}'; {choices(car, CARS)}")
+    layout = vehicle(car).layout
     if track not in TRACKS:
         raise HopperError(f"there is no track '{track}'; {choices(track, TRACKS)}")
     if not 0.0 < speed < float("inf"):
@@ -92,7 +80,6 @@ def hopper_car(
         block: {**given} for block, given in parameters_of(car).items()
     }
     values["track"] |= {"spectrum": track.replace("-", "_"), "seed": seed, "speed": speed}
-    layout = CARS[car].layout
     return System(
         components={
             instance: Component(fmu_path(block), values[block])
@@ -103,9 +90,16 @@ def hopper_car(
     )
 
 
+def vehicle(car: str) -> Vehicle:
+    """A car of `CARS`; raises HopperError for one that is not there."""
+    if car not in CARS:
+        raise HopperError(f"there is no car '{car}'; {choices(car, CARS)}")
+    return CARS[car]
+
+
 def parameters_of(car: str) -> dict[str, dict[str, float]]:
-    """The parameters [SI] of a car by block and name."""
-    return {block: {**values} for block, values in _parameters(CARS[car].parameters).items()}
+    """The parameters [SI] of a car of `CARS`, by block and name."""
+    return {block: {**given} for block, given in _parameters(vehicle(car).parameters).items()}
 
 
 @cache
@@ -130,8 +124,6 @@ def layout_of(subject: System | xr.Dataset) -> Layout:
     the instances are told by what they give; then they must stand in the order of `HOPPER`.
     `HOPPER` where nothing says otherwise.
     """
-    from orchestrator import System
-
     if isinstance(subject, System):
         names = [*subject.components, *(connection.source for connection in subject.connections)]
     else:

@@ -5,22 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+
+from orchestrator import (
+    Connection,
+    PowerBond,
+)
 
 from ..scales import (
     ACCELERATION,
-    ANGLE,
     DISPLACEMENT,
     FORCE,
     RATIO,
     Scale,
 )
-
-if TYPE_CHECKING:
-    from orchestrator import (
-        Connection,
-        PowerBond,
-    )
 
 SIDES = ("left", "right")
 VELOCITY_OF = {"force_y": "vy", "force_z": "vz", "moment_x": "wx", "moment_z": "wz"}
@@ -118,14 +115,23 @@ class Layout:
         return {name: f"{self.track}.axle[1].rail_{name}" for name in names}
 
     @property
+    def bodies(self) -> tuple[str, ...]:
+        """The instances that move: the carbody and the trucks."""
+        return (self.carbody, *(truck.instance for truck in self.trucks))
+
+    @property
     def coordinates(self) -> tuple[str, ...]:
         """The coordinates of the carbody (8) and of each truck (6)."""
-        bodies = ((self.carbody, 8), *((truck.instance, 6) for truck in self.trucks))
-        return tuple(f"{name}.q[{i}]" for name, count in bodies for i in range(1, count + 1))
+        counts = {"carbody": 8, "truck": 6}
+        return tuple(
+            f"{name}.q[{i}]"
+            for name in self.bodies
+            for i in range(1, counts[self.blocks[name]] + 1)
+        )
 
     @property
     def quantities(self) -> Mapping[str, Shown]:
-        """What tables and pictures show of a run."""
+        """What a run prints, by name."""
         wheelset, centre = self.leading.wheelset, f"{self.carbody}.cg"
         return {
             "force": Shown(f"{wheelset}.force_y", "lateral force", FORCE),
@@ -134,8 +140,12 @@ class Layout:
             "ratio_right": Shown(f"{wheelset}.right.l_over_v", "L/V of right wheel", RATIO),
             "lateral_acceleration": Shown(f"{centre}.ay", "lateral acceleration", ACCELERATION),
             "vertical_acceleration": Shown(f"{centre}.az", "vertical acceleration", ACCELERATION),
-            "truck_yaw": Shown(f"{self.front.instance}.q[2]", "truck yaw", ANGLE),
         }
+
+    @property
+    def printed(self) -> tuple[str, ...]:
+        """The variables of `quantities`, whose numbers a sweep takes."""
+        return tuple(shown.variable for shown in self.quantities.values())
 
     def renamed(self, name: Callable[[str], str]) -> Layout:
         """The same layout with other names of its instances."""
@@ -149,12 +159,6 @@ class Layout:
         """The same layout, as `System.prefixed` names the instances."""
         return self.renamed(lambda name: f"{prefix}:{name}")
 
-    def required_ports(self, instance: str) -> frozenset[str]:
-        """Names of the variables that an FMU standing in for `instance` must have."""
-        ends = [end for c in self.connections() for end in (c.source, c.target)]
-        owned = (end.partition(".")[::2] for end in ends)
-        return frozenset(name for owner, name in owned if owner == instance)
-
     def outputs(self) -> dict[str, set[str]]:
         """Outputs that others need, by block."""
         found: dict[str, set[str]] = {}
@@ -165,8 +169,6 @@ class Layout:
 
     def connections(self) -> Iterator[Connection]:
         """What the instances exchange."""
-        from orchestrator import Connection
-
         rails = (f"{self.track}.axle[{n}]" for n in range(1, len(self.axles) + 1))
         for truck in self.trucks:
             plate, car = self.plate(truck), f"{truck.instance}.car"
@@ -187,8 +189,6 @@ class Layout:
 
     def bonds(self) -> Iterator[PowerBond]:
         """Each force or moment with the velocity that it works on."""
-        from orchestrator import PowerBond
-
         for truck in self.trucks:
             for force, velocity in VELOCITY_OF.items():
                 yield PowerBond(f"{truck.instance}.car.{force}", f"{self.plate(truck)}.{velocity}")

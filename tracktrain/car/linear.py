@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from fmus import BLOCKS
 from fmus.describe.block import Block
-from fmus.describe.parameters import parameter_set
 from fmus.truck.mass import mass_matrix
 from fmus.truck.ports import ELEMENTS
 
@@ -26,9 +25,10 @@ from ..errors import (
     choices,
 )
 from .hopper import (
-    BLOCK_OF,
-    hopper_car,
+    parameters_of,
+    vehicle,
 )
+from .layout import Layout
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -43,9 +43,6 @@ FRICTION = {
 }
 """Kinds of all elements by a name. `report` has linear trucks with the bolster stuck laterally,
 with which the modes of report Figures 7-15 and 7-16 are met."""
-
-MOVING = tuple(name for name, block in BLOCK_OF.items() if block in ("carbody", "truck"))
-"""The instances that have a state."""
 
 LARGE = 4.0
 """Amplitude of an element without a stop that the damper of (7-7) is made for, over f/Kf."""
@@ -65,7 +62,7 @@ class Parameter:
 class LinearCar:
     """dx/dt = A x of the hopper car on perfect track, flange open.
 
-    car: a parameter set; changes: values [SI] instead of the set's, by "block.parameter" or
+    car: one of `CARS`; changes: values [SI] instead of the set's, by "block.parameter" or
     "parameter" for all blocks that have it. friction: a name of `FRICTION`, or kinds by element.
     omega [rad/s]: frequency that the dampers of (7-7) are made for.
 
@@ -80,14 +77,14 @@ class LinearCar:
         omega: float = 2 * np.pi,
     ) -> None:
         self.car, self.friction, self.omega = car, _kinds(friction), omega
-        self._blocks = _blocks()
-        given = parameter_set(car)
-        self._values = {name: given.values(block) for name, block in self._blocks.items()}
+        self.layout = vehicle(car).layout
+        self._blocks, given = _blocks(), parameters_of(car)
+        self._values = {name: given[name] for name in self._blocks}
         for name, value in (changes or {}).items():
             self._change(name, value)
         law = int(self._values["wheelrail"]["creep_law"])
-        self._numerical, self._slope = _functions(law, tuple(self.friction.items()))
-        self.states = _states()
+        self._numerical, self._slope = _functions(self.layout, law, tuple(self.friction.items()))
+        self.states = _states(self.layout)
 
     def _change(self, name: str, value: float) -> None:
         block, _, parameter = name.partition(".")
@@ -168,15 +165,19 @@ class LinearCar:
         seed[-1] = 1.0
         return found, along(seed)
 
+    def coordinates(self, shapes: Complex) -> Complex:
+        """The rows of shapes (states, ...) that are the layout's coordinates, in its order."""
+        return shapes[[self.states.index(name) for name in self.layout.coordinates]]
+
     def energies(self, shape: Complex) -> dict[str, float]:
         """Share of the kinetic energy of a mode in each coordinate, by "instance.q[i]"."""
         shares: dict[str, float] = {}
         at = {name: shape[i] for i, name in enumerate(self.states)}
-        for instance in MOVING:
+        for instance in self.layout.bodies:
             rates = [n for n in self.states if n.startswith(f"{instance}.qd[")]
             v = np.array([at[n] for n in rates])
             mass = np.eye(len(v))
-            if BLOCK_OF[instance] == "truck":
+            if instance != self.layout.carbody:
                 given = {name: ca.SX(value) for name, value in self._values["truck"].items()}
                 mass = np.array(ca.evalf(mass_matrix(given)))
             moved = mass @ v
@@ -208,22 +209,26 @@ def _blocks() -> dict[str, Block]:
     return {name: BLOCKS[name]() for name in ("carbody", "truck", "wheelrail")}
 
 
-def _block(instance: str) -> Block:
-    return _blocks()[BLOCK_OF[instance]]
+def _block(layout: Layout, instance: str) -> Block:
+    return _blocks()[layout.blocks[instance]]
 
 
-def _states() -> tuple[str, ...]:
-    return tuple(f"{i}.{state.name}" for i in MOVING for state in _block(i).continuous)
+def _states(layout: Layout) -> tuple[str, ...]:
+    return tuple(
+        f"{i}.{state.name}" for i in layout.bodies for state in _block(layout, i).continuous
+    )
 
 
 @cache
-def _functions(law: int, friction: tuple[tuple[str, str], ...]) -> tuple[ca.Function, ca.Function]:
+def _functions(
+    layout: Layout, law: int, friction: tuple[tuple[str, str], ...]
+) -> tuple[ca.Function, ca.Function]:
     """(parameters of each block, omega, speed) -> A, and its derivative along a direction of the
     parameters and the speed, for a creep law and kinds of friction."""
     p = {name: ca.SX.sym(f"p_{name}", len(b.parameters)) for name, b in _blocks().items()}
     omega, speed = ca.SX.sym("omega"), ca.SX.sym("speed")
-    stuck = _jacobian(p, speed, law)
-    matrix = ca.densify(_with_friction(stuck, p["truck"], dict(friction), omega))
+    stuck = _jacobian(layout, p, speed, law)
+    matrix = ca.densify(_with_friction(layout, stuck, p["truck"], dict(friction), omega))
     along = ca.vertcat(*p.values(), speed)
     seed = ca.SX.sym("seed", along.numel())
     slope = ca.reshape(ca.jtimes(ca.vec(matrix), along, seed), *matrix.shape)
@@ -234,15 +239,17 @@ def _functions(law: int, friction: tuple[tuple[str, str], ...]) -> tuple[ca.Func
     )
 
 
-def _jacobian(p: Mapping[str, ca.SX], speed: ca.SX, law: int) -> ca.SX:
+def _jacobian(layout: Layout, p: Mapping[str, ca.SX], speed: ca.SX, law: int) -> ca.SX:
     """A with friction stuck, by closing the connections symbolically."""
-    source = {c.target: c.source for c in hopper_car().connections}
+    source = {c.target: c.source for c in layout.connections()}
     derived = {name: block.functions.derived(p[name]) for name, block in _blocks().items()}
-    x = {name: ca.SX.sym(f"x_{name}", len(_block(name).continuous)) for name in MOVING}
+    x = {
+        name: ca.SX.sym(f"x_{name}", len(_block(layout, name).continuous)) for name in layout.bodies
+    }
     known: dict[tuple[str, frozenset[int]], ca.SX] = {}
 
     def arguments(instance: str, needed: frozenset[int]) -> list[ca.SX]:
-        block, kind = _block(instance), BLOCK_OF[instance]
+        block, kind = _block(layout, instance), layout.blocks[instance]
         memory = ca.SX.zeros(len(block.memory))
         state = ca.vertcat(x.get(instance, ca.SX(0, 1)), memory)
         inputs = ca.SX([port.start for port in block.inputs])
@@ -254,9 +261,9 @@ def _jacobian(p: Mapping[str, ca.SX], speed: ca.SX, law: int) -> ca.SX:
 
     def output(name: str) -> ca.SX:
         instance, _, variable = name.partition(".")
-        if instance == "track":
-            return speed if variable == "speed_out" else ca.SX(0)
-        block = _block(instance)
+        if instance == layout.track:
+            return speed if name == layout.speed else ca.SX(0)
+        block = _block(layout, instance)
         # Of a block with a choice of laws the one that is chosen: only that has plain expressions.
         laws = block.output_branches()
         function = laws[law - 1] if block.switch else laws[0]
@@ -268,15 +275,17 @@ def _jacobian(p: Mapping[str, ca.SX], speed: ca.SX, law: int) -> ca.SX:
         return known[instance, needed][place]
 
     rates = []
-    for instance in MOVING:
-        every = frozenset(range(len(_block(instance).inputs)))
-        rates.append(_block(instance).functions.derivative(*arguments(instance, every)))
+    for instance in layout.bodies:
+        every = frozenset(range(len(_block(layout, instance).inputs)))
+        rates.append(_block(layout, instance).functions.derivative(*arguments(instance, every)))
     all_x = ca.vertcat(*x.values())
     slope = ca.jacobian(ca.vertcat(*rates), all_x)
     return ca.substitute(slope, all_x, ca.SX.zeros(*all_x.shape))
 
 
-def _with_friction(stuck: ca.SX, p: ca.SX, friction: Mapping[str, str], omega: ca.SX) -> ca.SX:
+def _with_friction(
+    layout: Layout, stuck: ca.SX, p: ca.SX, friction: Mapping[str, str], omega: ca.SX
+) -> ca.SX:
     """A with the elements' friction as it is to stand for.
 
     A is affine in each friction stiffness: its derivative is what a unit spring in the element's
@@ -284,7 +293,7 @@ def _with_friction(stuck: ca.SX, p: ca.SX, friction: Mapping[str, str], omega: c
     unit damper does.
     """
     names = [parameter.name for parameter in _blocks()["truck"].parameters]
-    states = _states()
+    states = _states(layout)
 
     def of(element: str, which: str) -> ca.SX:
         return p[names.index(f"{element}.{which}")]

@@ -5,17 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from io import BytesIO
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import matplotlib as mpl
 import numpy as np
-from numpy.typing import NDArray
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike, NDArray
+from PIL import Image
 
-from .hopper import TRUCKS
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from fmus.carbody.modes import beam_shape
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+COUNT = 20
+"""Coordinates that the wire frame moves with: 8 of the carbody, then 6 of each truck."""
+
 FRAMES = 24
 """Pictures of one cycle."""
 
@@ -38,30 +42,30 @@ RIM = [
 ]
 """Points of a wheel about its axle [m]."""
 
-COORDINATES = (
-    *(f"carbody.q[{i}]" for i in range(1, 9)),
-    *(f"{truck}.q[{i}]" for truck in TRUCKS for i in range(1, 7)),
-)
-"""The coordinates that the wire frame moves with."""
-
 
 @dataclass(frozen=True)
 class Line:
     """A line of the wire frame: points (n, 3) [m] and their displacement (n, 3), complex."""
 
     points: Array
-    motion: NDArray[np.complex128]
+    motion: Complex
     part: str
 
 
 def wire_frame(
-    shape: Mapping[str, complex], carbody: Mapping[str, float], truck: Mapping[str, float]
+    shape: ArrayLike, carbody: Mapping[str, float], truck: Mapping[str, float]
 ) -> list[Line]:
     """The car's lines with the displacement of a mode.
 
-    shape: complex amplitude by "instance.q[i]"; carbody, truck: the blocks' parameter values [SI].
+    shape: complex amplitudes of the coordinates (`COUNT`,); carbody, truck: parameters [SI].
     """
-    return [*_carbody(shape, carbody), *_trucks(shape, carbody, truck)]
+    q = np.asarray(shape)
+    middle = carbody["half_truck_spacing"]
+    return [
+        *_carbody(q[:8], carbody),
+        *_truck(q[8:14], middle, truck),
+        *_truck(q[14:], -middle, truck),
+    ]
 
 
 def unit_motions(
@@ -69,25 +73,25 @@ def unit_motions(
 ) -> tuple[list[Line], Array]:
     """The wire frame at rest, and the displacement of its points per unit of each coordinate.
 
-    Shape (coordinates, points, 3), in the order of `COORDINATES` and of the lines' points: motion
-    is linear in the coordinates, so that these tell every motion of the car.
+    Shape (coordinates, points, 3), in the order of the lines' points: motion is linear in the
+    coordinates, so that these tell every motion of the car.
     """
-    frames = [wire_frame({name: 1.0}, carbody, truck) for name in COORDINATES]
+    frames = [wire_frame(shape, carbody, truck) for shape in np.eye(COUNT)]
     motions = [np.concatenate([line.motion.real for line in frame]) for frame in frames]
     return frames[0], np.array(motions)
 
 
-def _carbody(shape: Mapping[str, complex], p: Mapping[str, float]) -> Iterator[Line]:
+def _carbody(q: Complex, p: Mapping[str, float]) -> Iterator[Line]:
     """Sections along the body, and the lines between their corners."""
     stations = np.linspace(-p["body_length"] / 2, p["body_length"] / 2, 13)
     h = p["gravity_centre_height"]
     corners = ((-1, False), (1, False), (1, True), (-1, True))
 
-    def point(x: float, corner: tuple[int, bool]) -> tuple[Array, NDArray[np.complex128]]:
+    def point(x: float, corner: tuple[int, bool]) -> tuple[Array, Complex]:
         side, upper = corner
         floor = np.interp(2 * abs(x) / p["body_length"], *FLOOR)
         y, z = side * HALF_WIDTH, HEIGHT if upper else float(floor)
-        return np.array([x, y, z]), _body_motion(shape, p, x, y, z - h)
+        return np.array([x, y, z]), _body_motion(q, p, x, y, z - h)
 
     for corner in corners:
         ends = [point(x, corner) for x in stations]
@@ -95,20 +99,15 @@ def _carbody(shape: Mapping[str, complex], p: Mapping[str, float]) -> Iterator[L
     for x in stations[::3]:
         ring = [point(x, corner) for corner in (*corners, corners[0])]
         yield Line(np.array([e[0] for e in ring]), np.array([e[1] for e in ring]), "carbody")
-    sill = [(np.array([x, 0.0, 0.0]), _body_motion(shape, p, x, 0.0, -h)) for x in stations[::2]]
+    sill = [(np.array([x, 0.0, 0.0]), _body_motion(q, p, x, 0.0, -h)) for x in stations[::2]]
     yield Line(np.array([e[0] for e in sill]), np.array([e[1] for e in sill]), "carbody")
 
 
-def _body_motion(
-    shape: Mapping[str, complex], p: Mapping[str, float], x: float, y: float, above: float
-) -> NDArray[np.complex128]:
+def _body_motion(q: Complex, p: Mapping[str, float], x: float, y: float, above: float) -> Complex:
     """Displacement of a point at (x, y), `above` the centre of gravity [m], by the modes' shapes.
 
     Torsion is drawn linear along the body, as large at the centre plates as the block has it.
     """
-    from fmus.carbody.modes import beam_shape
-
-    q = [shape.get(f"carbody.q[{i}]", 0.0) for i in range(1, 9)]
     root_mass = p["body_mass"] ** 0.5
     bending, _ = beam_shape(np.array(x), p["body_length"])
     roll = q[2] / p["roll_inertia"] ** 0.5
@@ -121,69 +120,42 @@ def _body_motion(
     )
 
 
-def _trucks(
-    shape: Mapping[str, complex], body: Mapping[str, float], p: Mapping[str, float]
-) -> Iterator[Line]:
-    """Wheelsets, side frames and bolster of both trucks, seen from the coordinates."""
+def _truck(q: Complex, middle: float, p: Mapping[str, float]) -> Iterator[Line]:
+    """Wheelsets, side frames and bolster of a truck at the station `middle` [m]."""
     half, d, half_gauge = (
         p["half_wheelbase"], p["half_side_frame_spacing"], p["half_contact_spacing"],
     )  # fmt: skip
-    for instance, middle in (
-        ("truck_front", body["half_truck_spacing"]),
-        ("truck_rear", -body["half_truck_spacing"]),
-    ):
-        q = [shape.get(f"{instance}.q[{i}]", 0.0) for i in range(1, 7)]
-        centre = q[0] + half * (q[1] + q[3])
-        axle_height = WHEEL_RADIUS - p["centre_plate_height"]
+    centre = q[0] + half * (q[1] + q[3])
+    axle_height = WHEEL_RADIUS - p["centre_plate_height"]
 
-        def line(part: str, *ends: tuple[float, float, float, complex, complex, complex]) -> Line:
-            return Line(np.array([e[:3] for e in ends]), np.array([e[3:] for e in ends]), part)
+    def line(part: str, *ends: tuple[float, float, float, complex, complex, complex]) -> Line:
+        return Line(np.array([e[:3] for e in ends]), np.array([e[3:] for e in ends]), part)
 
-        for x, y in ((half, q[0] + 2 * half * (q[1] + q[3])), (-half, q[0])):
-            yield line(
-                "wheelset",
-                *(
-                    (middle + x, side * half_gauge * 1.15, axle_height, -q[1] * side * d, y, 0.0)
-                    for side in (1, -1)
-                ),
-            )
-            for side in (1, -1):
-                yield line(
-                    "wheelset",
-                    *(
-                        (
-                            middle + x + along,
-                            side * half_gauge,
-                            axle_height + above,
-                            -q[1] * side * half_gauge,
-                            y + q[1] * along,
-                            0.0,
-                        )
-                        for along, above in RIM
-                    ),
-                )
-        for side in (1, -1):
-            yield line(
-                "side frame",
-                *(
-                    (
-                        middle + x,
-                        side * d,
-                        axle_height,
-                        -side * d * q[1],
-                        centre + x * (q[1] + q[3]),
-                        0.0,
-                    )
-                    for x in (half, -half)
-                ),
-            )
-        yield line(
-            "bolster",
-            *(
-                (middle, side * d, -0.15, -side * d * q[1], centre + q[4], q[5] + side * d * q[2])
-                for side in (1, -1)
-            ),
+    for x, y in ((half, q[0] + 2 * half * (q[1] + q[3])), (-half, q[0])):
+        axle = (
+            (middle + x, side * half_gauge * 1.15, axle_height, -q[1] * side * d, y, 0.0)
+            for side in (1, -1)
         )
+        yield line("wheelset", *axle)
+        for side in (1, -1):
+            back, out = -q[1] * side * half_gauge, side * half_gauge
+            rim = (
+                (middle + x + along, out, axle_height + above, back, y + q[1] * along, 0.0)
+                for along, above in RIM
+            )
+            yield line("wheelset", *rim)
+    for side in (1, -1):
+        out, back = side * d, -side * d * q[1]
+        frame = (
+            (middle + x, out, axle_height, back, centre + x * (q[1] + q[3]), 0.0)
+            for x in (half, -half)
+        )
+        yield line("side frame", *frame)
+    bolster = (
+        (middle, side * d, -0.15, -side * d * q[1], centre + q[4], q[5] + side * d * q[2])
+        for side in (1, -1)
+    )
+    yield line("bolster", *bolster)
 
 
 def draw_mode(lines: list[Line], title: str) -> Figure:
@@ -198,9 +170,6 @@ def draw_mode(lines: list[Line], title: str) -> Figure:
 
 def animate_mode(lines: list[Line], title: str) -> bytes:
     """One cycle of the mode as an animated GIF."""
-    import matplotlib as mpl
-    from PIL import Image
-
     figure, axes = _axes(title, width=6.0)
     artists, scale = _artists(axes, lines), _scaled(lines)
     frames = []
@@ -225,8 +194,6 @@ COLOURS = {
 
 
 def _axes(title: str, width: float = 9.0) -> tuple[Figure, Any]:
-    from matplotlib.figure import Figure
-
     figure = Figure(figsize=(width, width * 0.5))
     axes: Any = figure.add_axes((-0.12, -0.25, 1.24, 1.4), projection="3d")
     axes.set_title(title, y=0.86, fontsize=10)

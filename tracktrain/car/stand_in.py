@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -40,13 +41,13 @@ from orchestrator.plan.plan import (
 )
 
 from .changes import (
+    connected_ports,
     differentiated,
     swapped,
 )
 from .hopper import (
-    BLOCK_OF,
+    HOPPER,
     hopper_car,
-    required_ports,
 )
 
 NO_UNIT = (None, "", "1")
@@ -129,15 +130,14 @@ class StandIn:
 
 
 def compare(path: Path, block: str, ports: PortMap | None = None) -> StandIn:
-    """The FMU, seen through a map, as a block of `BLOCK_OF`.
+    """The FMU, seen through a map, as a block of the hopper car.
 
     Raises orchestrator.FmuError for what is no FMU, CouplingError for a map that does not fit it.
     """
     contents = open_fmu(path)
     whole, own = survey(contents), describe(fmu_path(block))
-    instances = [name for name, kind in BLOCK_OF.items() if kind == block]
-    car = hopper_car()
-    required = frozenset[str]().union(*(required_ports(name) for name in instances))
+    instances, car = HOPPER.instances(block), hopper_car()
+    required = set[str]().union(*(connected_ports(car, name) for name in instances))
     result = StandIn(path.name, block, bool(whole.binary), contents.platforms)
     elements = taken_apart(whole, {})
     ports = (ports or PortMap()).fitted(own, elements, required)
@@ -257,7 +257,7 @@ def _compare_values(
 
 
 def _losses(
-    car: System, instance: str, required: frozenset[str], own: Description, found: Description
+    car: System, instance: str, required: set[str], own: Description, found: Description
 ) -> list[str]:
     """What the coupling has of the block and has not of the FMU."""
     outputs = [v for v in own.outputs if v.name in required and _has(found, v)]
@@ -338,7 +338,7 @@ def _ways(plan: Plan) -> dict[str, str]:
 
 
 def _remarks(
-    instances: list[str], contents: Contents, own: Description, found: Description
+    instances: Sequence[str], contents: Contents, own: Description, found: Description
 ) -> list[str]:
     remarks = []
     if found.single_instance and len(instances) > 1:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..car.hopper import BLOCK_OF
+from fmus.names import NAMES
+
 from ..failures import clear_errors
 from ..options.types import Name
 from .fmu_data import (
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     from ..car.stand_in import StandIn
     from .fmu_contents import Extras
 
-BLOCKS = tuple(dict.fromkeys(BLOCK_OF.values()))
 
 CAPABILITIES = {
     "directional derivatives": ("providesDirectionalDerivative", "providesDirectionalDerivatives"),
@@ -122,7 +122,7 @@ Examples:
 @click.option(
     "--as",
     "block",
-    type=Name("block", BLOCKS),
+    type=Name("block", NAMES),
     help="Block of the hopper car that it is to replace; needed.",
 )
 @click.option(
@@ -140,7 +140,7 @@ def check(ctx: click.Context, file: Path, block: str | None, map_file: Path | No
     The exit code is 0 if it can, 1 if it cannot, and 2 if there is nothing to check.
     """
     if block is None:
-        raise click.UsageError(f"--as is missing; choose one of: {', '.join(BLOCKS)}")
+        raise click.UsageError(f"--as is missing; choose one of: {', '.join(NAMES)}")
     from orchestrator import read_port_map
 
     from ..car.stand_in import compare

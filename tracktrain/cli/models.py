@@ -9,13 +9,14 @@ from pathlib import Path
 
 import click
 
-from ..car.hopper import BLOCK_OF
+from fmus.names import NAMES
+
+from ..car.hopper import HOPPER
 from ..errors import TracktrainError
 from ..failures import clear_errors
 from ..options.types import Name
 from ..terminal import writable
 
-BLOCKS = tuple(dict.fromkeys(BLOCK_OF.values()))
 PLACEHOLDER = "my_model"
 
 
@@ -25,7 +26,7 @@ Examples:
   tracktrain new wheelrail my_creep
   tracktrain new truck my_truck --out models"""
 )
-@click.argument("block", type=Name("block", BLOCKS))
+@click.argument("block", type=Name("block", NAMES))
 @click.argument("name")
 @click.option(
     "--out",
@@ -116,4 +117,4 @@ def _check_name(name: str) -> None:
 
 def _instance(block: str) -> str:
     """The first instance of the car that is such a block."""
-    return next(instance for instance, kind in BLOCK_OF.items() if kind == block)
+    return HOPPER.instances(block)[0]

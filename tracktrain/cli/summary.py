@@ -9,11 +9,14 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Group
 from rich.table import Table
 
+from orchestrator import (
+    dominant_frequency,
+    peak,
+    rms,
+)
+
+from ..car.hopper import layout_of
 from ..scales import (
-    ACCELERATION,
-    DISPLACEMENT,
-    FORCE,
-    RATIO,
     Scale,
     three_digits,
 )
@@ -24,26 +27,18 @@ if TYPE_CHECKING:
 
     from orchestrator import Run
 
-ROWS: Mapping[str, Mapping[str, tuple[str, Scale]]] = {
-    "leading axle": {
-        "lateral force": ("wheelset_11.force_y", FORCE),
-        "displacement to rail": ("wheelset_11.y_rel", DISPLACEMENT),
-        "L/V of left wheel": ("wheelset_11.left.l_over_v", RATIO),
-        "L/V of right wheel": ("wheelset_11.right.l_over_v", RATIO),
-    },
-    "carbody acceleration": {
-        "lateral": ("carbody.cg.ay", ACCELERATION),
-        "vertical": ("carbody.cg.az", ACCELERATION),
-    },
+GROUPS = {
+    "leading axle": ("force", "displacement", "ratio_left", "ratio_right"),
+    "carbody acceleration": ("lateral_acceleration", "vertical_acceleration"),
 }
-"""Groups of what is shown: the variable that it is read from, and its units."""
+"""Names of a layout's quantities, by group."""
 
 MOST = 12
-"""Rows of a system that has nothing of `ROWS`."""
+"""Rows of a system that has none of these."""
 
 
 def summary(run: Run) -> RenderableType:
-    """Statistics of the variables of `ROWS` that the run has, then how well the run went."""
+    """Statistics of the variables of `GROUPS` that the run has, then how well the run went."""
     return Group(_responses(run.dataset), _quality(run))
 
 
@@ -68,10 +63,15 @@ def _responses(dataset: xr.Dataset) -> Table:
 
 
 def _known(dataset: xr.Dataset) -> Mapping[str, Mapping[str, tuple[str, Scale]]]:
-    """What `ROWS` names and the dataset has."""
+    """What `GROUPS` names and the dataset has."""
+    quantities = layout_of(dataset).quantities
     present = {
-        group: {label: row for label, row in rows.items() if row[0] in dataset}
-        for group, rows in ROWS.items()
+        group: {
+            shown.label.removesuffix(" acceleration"): (shown.variable, shown.scale)
+            for shown in map(quantities.__getitem__, names)
+            if shown.variable in dataset
+        }
+        for group, names in GROUPS.items()
     }
     return {group: rows for group, rows in present.items() if rows}
 
@@ -84,12 +84,6 @@ def _first(dataset: xr.Dataset) -> Mapping[str, Mapping[str, tuple[str, Scale]]]
 
 
 def _statistics(values: xr.DataArray, scale: Scale) -> tuple[str, str, str]:
-    from orchestrator.results.metrics import (
-        dominant_frequency,
-        peak,
-        rms,
-    )
-
     moves = values.size > 2 and bool((values != values[0]).any())
     frequency = f"{dominant_frequency(values):.2f} Hz" if moves else "-"
     return scale.numbers(rms(values)), scale.numbers(peak(values)), frequency

@@ -92,7 +92,6 @@ def sweep(
     """
     with clear_errors():
         from ..sweep.axes import read_axis
-        from ..sweep.grid import OUTPUTS
         from ..sweep.grid import sweep as run_sweep
         from ..sweep.pictures import write_pictures
 
@@ -105,7 +104,7 @@ def sweep(
                 table = run_sweep(
                     found,
                     out=folder,
-                    outputs=outputs or OUTPUTS,
+                    outputs=outputs or None,
                     workers=workers,
                     scheduler=scheduler,
                     progress=progress,

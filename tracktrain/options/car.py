@@ -9,9 +9,9 @@ from typing import Any
 import click
 
 from ..car.hopper import (
-    BLOCK_OF,
     CARS,
     TRACKS,
+    instances,
 )
 from .types import (
     Assignment,
@@ -86,7 +86,7 @@ def set_option() -> Option:
     return click.option(
         "--set",
         "settings",
-        type=Assignment(tuple(BLOCK_OF), 'instance.parameter="value unit"'),
+        type=Assignment(instances, 'instance.parameter="value unit"'),
         multiple=True,
         metavar='INSTANCE.PARAMETER="VALUE UNIT"',
         help="Change a parameter. Repeatable.",
@@ -137,7 +137,7 @@ def swap_option(**more: Any) -> Option:
     return click.option(
         "--swap",
         "swaps",
-        type=Assignment(tuple(BLOCK_OF), "instance=path.fmu"),
+        type=Assignment(instances, "instance=path.fmu"),
         multiple=True,
         metavar="INSTANCE=FMU",
         help="Put another FMU in an instance's place. Repeatable.",

@@ -10,11 +10,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 from click.core import ParameterSource
 
-from ..car.hopper import BLOCK_OF
-from ..errors import (
-    TracktrainError,
-    choices,
-)
+from ..car.hopper import instances
+from ..errors import TracktrainError
 from .car import (
     car_option,
     seed_option,
@@ -64,7 +61,7 @@ _OPTIONS = (
     click.option(
         "--initial",
         "initials",
-        type=Assignment(tuple(BLOCK_OF), 'instance.coordinate="value unit"'),
+        type=Assignment(instances, 'instance.coordinate="value unit"'),
         multiple=True,
         metavar='INSTANCE.COORDINATE="VALUE UNIT"',
         help="Displace a truck or the carbody at the start. Repeatable.",
@@ -73,7 +70,7 @@ _OPTIONS = (
     click.option(
         "--map",
         "maps",
-        type=Assignment(tuple(BLOCK_OF), "instance=map.toml"),
+        type=Assignment(instances, "instance=map.toml"),
         multiple=True,
         metavar="INSTANCE=FILE",
         help="What the instance's ports are called in the FMU of --swap, with signs and units, in "
@@ -143,10 +140,9 @@ def chosen_file(
 
     system = read_ssp(path, variant, folder=unpacked)
     for instance, name, value in settings:
-        system = changes.assigned(_having(system, instance), instance, name, value)
+        system = changes.assigned(system, instance, name, value)
     port_maps = _port_maps(maps, swaps)
     for instance, _, fmu in swaps:
-        system = _having(system, instance)
         ports, _ = changes.seen(system, instance, Path(fmu), port_maps.get(instance))
         system = system.with_fmu(instance, Path(fmu), ports)
         if ports is not None and ports.rates:
@@ -196,10 +192,3 @@ def _timed(system: System, duration: float | None, step: float | None) -> System
             "give a shorter --step or a longer --duration"
         )
     return replace(system, experiment=Experiment(start, stop, size))
-
-
-def _having(system: System, instance: str) -> System:
-    if instance not in system.components:
-        known = choices(instance, system.components)
-        raise TracktrainError(f"there is no instance '{instance}'; {known}")
-    return system

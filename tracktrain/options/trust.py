@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..car.hopper import layout_of
 from .run import Command
 from .types import Quantity
 
@@ -61,14 +62,12 @@ def shown(system: System) -> list[str] | None:
     """Outputs of the table that a run ends with, which the system has; None without any."""
     from orchestrator.plan.plan import component_description
 
-    from ..cli.summary import ROWS
-
     found = []
-    for row in (row for rows in ROWS.values() for row in rows.values()):
-        instance, _, name = row[0].partition(".")
+    for output in layout_of(system).printed:
+        instance, _, name = output.partition(".")
         component = system.components.get(instance)
         if component is not None:
             variable = component_description(instance, component).find(name)
             if variable is not None and variable.causality == "output":
-                found.append(row[0])
+                found.append(output)
     return found or None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
 import click
@@ -86,8 +86,8 @@ class Assignment(click.ParamType):
 
     name = "assignment"
 
-    def __init__(self, instances: Sequence[str], example: str) -> None:
-        self.instances, self.example = tuple(instances), example
+    def __init__(self, instances: Callable[[], Collection[str]], example: str) -> None:
+        self.instances, self.example = instances, example
 
     def convert(
         self, value: str, param: click.Parameter | None, ctx: click.Context | None
@@ -99,9 +99,9 @@ class Assignment(click.ParamType):
             self.fail(f"'{value}' cannot be read; write it as {self.example}", param, ctx)
         run = ctx is not None and ctx.command.name == "run"
         from_file = run and ctx is not None and isinstance(ctx.params.get("file"), Path)
-        if instance not in self.instances and not from_file:
+        if instance not in self.instances() and not from_file:
             self.fail(
-                f"there is no instance '{instance}'; {choices(instance, self.instances)}",
+                f"there is no instance '{instance}'; {choices(instance, self.instances())}",
                 param,
                 ctx,
             )

@@ -9,8 +9,15 @@ import json
 from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import pandas as pd
+import xarray as xr
+from jinja2 import Environment, PackageLoader
+from plotly.offline import get_plotlyjs
+
+from ..assessment import assess
+from ..errors import TracktrainError
 from . import (
     content,
     motion,
@@ -20,10 +27,6 @@ from .packing import (
     compressed,
     packed,
 )
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
 
 NAME = "report.html"
 SCRIPTS = ("data.js", "scene.js", "player.js", "plots.js", "page.js")
@@ -43,12 +46,6 @@ def write_report(dataset: xr.Dataset, folder: Path, bonds: pd.DataFrame | None =
 
 def page(dataset: xr.Dataset, bonds: pd.DataFrame | None = None) -> str:
     """The text of the page."""
-    from jinja2 import Environment, PackageLoader
-    from plotly.offline import get_plotlyjs
-
-    from ..assessment import assess
-    from ..errors import TracktrainError
-
     if dataset.sizes.get("time", 0) < 2 or not dataset.data_vars:
         raise TracktrainError("the run has no two rows of any signal; there is nothing to report")
     index, blob, width = _data(dataset)
@@ -79,7 +76,7 @@ def page(dataset: xr.Dataset, bonds: pd.DataFrame | None = None) -> str:
 def _data(dataset: xr.Dataset) -> tuple[str, str, int]:
     """What the scripts know of the run: JSON, and the arrays that it indexes; rows of a bin."""
     said, arrays, width = series.signals(dataset)
-    known: dict[str, Any] = {"signals": said}
+    known: dict[str, Any] = {"signals": said, "first": series.first(dataset)}
     for name, part in (("scene", motion.scene(dataset)), ("modes", motion.modes(dataset))):
         known[name] = part[0] if part else None
         arrays |= part[1] if part else {}

@@ -6,26 +6,30 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
+import xarray as xr
+
+from fmus import BLOCKS
+from fmus.describe.parameters import (
+    PARAMETER_SETS,
+    Entry,
+    parameter_set,
+)
 
 from ..assessment import (
     EXCEEDED,
     PASSED,
 )
-from ..car.hopper import BLOCK_OF
+from ..car.hopper import layout_of
+from ..results import mean_speed
 from ..scales import (
     FOOT,
     MILE_PER_HOUR,
     three_digits,
 )
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-
-    from fmus.describe.parameters import Entry
 
 
 @dataclass(frozen=True)
@@ -40,7 +44,7 @@ class Fact:
 
 def title(dataset: xr.Dataset) -> str:
     """What was run, in a line."""
-    if not {*BLOCK_OF} <= {*_fmus(dataset)}:
+    if not layout_of(dataset).blocks.keys() <= _fmus(dataset).keys():
         return f"Run of {len(_fmus(dataset))} FMUs"
     return "Hopper car on irregular track" if _moves(dataset) else "Hopper car on perfect track"
 
@@ -49,14 +53,14 @@ def facts(dataset: xr.Dataset, table: pd.DataFrame, bonds: pd.DataFrame | None) 
     """The numbers at the top."""
     time = dataset["time"].values
     found = []
-    if "track.speed_out" in dataset:
-        speed = float(dataset["track.speed_out"].mean())
+    speed = mean_speed(dataset)
+    if speed is not None:
         units = f"{speed / FOOT:.4g} ft/s, {speed / MILE_PER_HOUR:.3g} mph"
         found.append(Fact("speed", f"{speed * 3.6:.3g} km/h", units))
     span, step = float(time[-1] - time[0]), float(dataset.attrs.get("step", 0.0))
-    way = ""
-    if "track.distance" in dataset:
-        distance = dataset["track.distance"].values
+    way, name = "", layout_of(dataset).distance
+    if name in dataset:
+        distance = dataset[name].values
         way = f"{three_digits(float(distance[-1] - distance[0]))} m of track"
     found.append(Fact("simulated", f"{span:.4g} s", way))
     found.append(Fact("macro step", f"{1e3 * step:.4g} ms", f"{dataset.attrs.get('master', '')}"))
@@ -86,10 +90,11 @@ def facts(dataset: xr.Dataset, table: pd.DataFrame, bonds: pd.DataFrame | None) 
 def parameters(dataset: xr.Dataset) -> list[dict[str, Any]]:
     """Instance, name, value [SI], and of numbers out of the parameter files unit, basis, source."""
     given: Mapping[str, Any] = json.loads(dataset.attrs.get("parameters", "{}"))
+    blocks = layout_of(dataset).blocks
     rows = []
     for full, value in given.items():
         instance, _, name = full.partition(".")
-        entry, changed = _entry(dataset, instance, name, value)
+        entry, changed = _entry(blocks.get(instance), name, value)
         rows.append(
             {
                 "instance": instance,
@@ -130,16 +135,8 @@ def _moves(dataset: xr.Dataset) -> bool:
     return any(bool(np.any(rail.values)) for rail in rails)
 
 
-def _entry(
-    dataset: xr.Dataset, instance: str, name: str, value: object
-) -> tuple[Entry | None, bool]:
+def _entry(block: str | None, name: str, value: object) -> tuple[Entry | None, bool]:
     """The published number that a value is, by the parameter set that has it; or that none is."""
-    from fmus.describe.parameters import (
-        PARAMETER_SETS,
-        parameter_set,
-    )
-
-    block = BLOCK_OF.get(instance)
     known = False
     for given in PARAMETER_SETS if block else ():
         entry = parameter_set(given).entry(name, block)
@@ -155,6 +152,4 @@ def _entry(
 
 @cache
 def _units(block: str) -> dict[str, str]:
-    from fmus import BLOCKS
-
     return {parameter.name: parameter.unit for parameter in BLOCKS[block]().parameters}

@@ -5,22 +5,17 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from math import pi
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
-from ..car.hopper import (
-    BLOCK_OF,
-    TRUCKS,
-)
-from ..car.shapes import (
-    COORDINATES,
-    unit_motions,
-)
-
-if TYPE_CHECKING:
-    import xarray as xr
+from ..car.hopper import layout_of
+from ..car.linear import LinearCar
+from ..car.modes import name_of
+from ..car.shapes import unit_motions
+from ..results import mean_speed
 
 Array = NDArray[np.float64]
 RATE, FRAMES = 100.0, 6000
@@ -29,17 +24,17 @@ RATE, FRAMES = 100.0, 6000
 HIGHEST = 20.0
 """Frequency of the modes that are shown, at most [Hz]."""
 
-RAILS = tuple(f"track.axle[1].rail_{axis}_{side}" for axis in "yz" for side in ("left", "right"))
-
 
 def scene(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Array]] | None:
     """What is drawn and how it moves, and the arrays of it; None for a run that is no hopper car.
 
     Arrays: points (points, 3) [m], motions (coordinates, points, 3), coordinates (frames,
-    coordinates), rails (frames, 4) [m] as in `RAILS`, way (frames) [m].
+    coordinates), rails (frames, 4) [m] as in `Layout.rails`, way (frames) [m].
     """
-    body, truck = (_parameters(dataset, name) for name in ("carbody", TRUCKS[0]))
-    if any(name not in dataset for name in (*COORDINATES, *RAILS, "track.distance")):
+    layout = layout_of(dataset)
+    coordinates, rails = layout.coordinates, layout.rails.values()
+    body, truck = (_parameters(dataset, name) for name in (layout.carbody, layout.front.instance))
+    if any(name not in dataset for name in (*coordinates, *rails, layout.distance)):
         return None
     try:
         lines, motions = unit_motions(body, truck)
@@ -59,14 +54,14 @@ def scene(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Array]] | None
         "railHeight": -truck["centre_plate_height"],
         "halfGauge": truck["half_contact_spacing"],
         "firstAxle": body["half_truck_spacing"] + truck["half_wheelbase"],
-        "coordinates": COORDINATES,
+        "coordinates": coordinates,
     }
     return drawing, {
         "points": np.concatenate([line.points for line in lines]),
         "motions": motions,
-        "coordinates": np.column_stack([sampled(name) for name in COORDINATES]),
-        "rails": np.column_stack([sampled(name) for name in RAILS]),
-        "way": sampled("track.distance"),
+        "coordinates": np.column_stack([sampled(name) for name in coordinates]),
+        "rails": np.column_stack([sampled(name) for name in rails]),
+        "way": sampled(layout.distance),
     }
 
 
@@ -76,17 +71,13 @@ def modes(dataset: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, Array]] 
     The array `modes` (modes, 2, coordinates) has the real and imaginary parts of their shapes. None
     where the run does not have the parameters of the blocks.
     """
-    from ..car.linear import LinearCar
-    from ..studies.stability import name_of
-
-    if "track.speed_out" not in dataset:
+    speed = mean_speed(dataset)
+    if speed is None:
         return None
-    speed = float(dataset["track.speed_out"].mean())
     linear = LinearCar()
     changes: dict[str, float] = {}
     for block in ("carbody", "truck", "wheelrail"):
-        instance = next(name for name, kind in BLOCK_OF.items() if kind == block)
-        given = _parameters(dataset, instance)
+        given = _parameters(dataset, layout_of(dataset).instances(block)[0])
         known = linear.values(block)
         if not given.keys() & known.keys():
             return None
@@ -102,7 +93,7 @@ def modes(dataset: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, Array]] 
         }
         for i in slow
     ]
-    chosen = shapes[[linear.states.index(name) for name in COORDINATES]][:, slow].T
+    chosen = linear.coordinates(shapes)[:, slow].T
     return found, {"modes": np.stack([chosen.real, chosen.imag], axis=1)}
 
 

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
+from scipy.signal import welch
 
+from ..car.hopper import layout_of
 from .packing import (
     envelope,
     envelope_time,
 )
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 Array = NDArray[np.float64]
 POINTS = 6000
@@ -67,14 +67,19 @@ def signals(dataset: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, Array]
     return said, arrays, width
 
 
+def first(dataset: xr.Dataset) -> list[str]:
+    """The signals that a page shows before others are picked."""
+    layout = layout_of(dataset)
+    shown = [layout.quantities[name].variable for name in ("force", "displacement")]
+    return [*shown, f"{layout.plate(layout.front)}.ay"]
+
+
 def spectrum(values: Array, rate: float) -> tuple[Array, Array]:
     """Frequencies [Hz] and the one-sided power spectral density of rows at a rate [Hz].
 
     Welch's estimate with Hann windows; above the lowest lines those that fall together on a
     logarithmic axis are averaged.
     """
-    from scipy.signal import welch
-
     length = max(len(values) // SEGMENTS, min(len(values), 16))
     frequency, density = welch(values, rate, nperseg=length, detrend="linear")
     frequency, density = frequency[1:], density[1:]

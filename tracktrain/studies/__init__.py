@@ -7,8 +7,6 @@ outcome.tables["rms"]
 
 from __future__ import annotations
 
-from .outcome import Outcome
-
 STUDIES = {
     "response": "Response to irregular track, with spectra (Figures 6-1 to 6-6)",
     "hunting": "Nonlinear hunting, limit cycle against speed (Figures 7-1 to 7-12)",
@@ -21,5 +19,3 @@ STUDIES = {
     "track": "Track alone: histogram, spectrum, realisation (Figures 5-3 to 5-5)",
 }
 """Name of each study, whose module is called the same with underscores, and what it shows."""
-
-__all__ = ["STUDIES", "Outcome"]

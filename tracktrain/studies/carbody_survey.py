@@ -6,36 +6,47 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import pi, sin, sqrt
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+import matplotlib as mpl
 import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.figure import Figure
 
+from fmus.carbody.modes import frequencies, mode_shapes
+from orchestrator import (
+    Run,
+    Value,
+)
+
+from ..car.hopper import (
+    parameters_of,
+    vehicle,
+)
 from ..options.car import (
     car_option,
     fmu_option,
 )
+from ..plots import (
+    BLUE,
+    MUTED,
+    RED,
+    STYLE,
+)
 from ..terminal import Progress
-from .command import study_command
-from .outcome import Outcome
-from .rig import (
+from .common.command import study_command
+from .common.outcome import Outcome
+from .common.rig import (
     Signals,
     completed,
     rig,
     run_on_rig,
     under_test,
 )
-from .ringdown import (
+from .common.ringdown import (
     oscillation,
     separable,
 )
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-    from matplotlib.figure import Figure
-
-    from orchestrator import Run
-    from orchestrator.system.system import Value
 
 SWEEP, TAIL, DWELL, DECAY = 40.0, 12.0, 3.0, 4.0
 """Duration of the sweep, of the silence after it, of the dwell and of the decay [s]."""
@@ -127,13 +138,10 @@ def carbody_survey(
     shows in the decay after a dwell there (Figure 4-9). What the air springs add is taken out by
     (4-20) to (4-23). `fmu` is a carbody to survey instead of ours.
     """
-    from fmus.carbody import Carbody
-    from fmus.describe.parameters import parameter_set
-
-    values = parameter_set(car).values(Carbody())
+    values = parameters_of(car)["carbody"]
     place, given = under_test(car, "carbody", fmu)
-    loaded = parameter_set("loaded").values(Carbody())["body_mass"]
-    springs = AirSprings.under(values, loaded, AIR_ROLL[car])
+    loaded = parameters_of("loaded")["carbody"]["body_mass"]
+    springs = AirSprings.under(values, loaded, AIR_ROLL[vehicle(car).parameters])
 
     vectors = list(dict.fromkeys((mode.force, mode.rear) for mode in MODES))
     jobs, done = len(vectors) + len(MODES), 0
@@ -238,8 +246,6 @@ def _dwell(frequency: float) -> Callable[[float], float]:
 
 def _transfer(dataset: xr.Dataset, force: str) -> xr.Dataset:
     """Acceleration over force (complex) against frequency, for each accelerometer."""
-    import xarray as xr
-
     size = 4 * len(dataset.time)
     shaken = np.array([_chirp(t) for t in dataset.time.values]) * AMPLITUDE
     frequency = np.fft.rfftfreq(size, STEP)
@@ -266,8 +272,6 @@ def _quadrature_peak(ratio: xr.DataArray, near: float) -> float:
 
 def _on_air(mode: Mode, values: Values, springs: AirSprings) -> float:
     """The mode's frequency on the air springs [Hz], by the eigenvalues of the whole carbody."""
-    from fmus.carbody.modes import frequencies, mode_shapes
-
     stiffness = np.diag(frequencies(values) ** 2)
     at_end = np.diag([0.0, springs.stiffness["z"], springs.stiffness["roll"], 0.0])
     for sign in (1, -1):
@@ -319,14 +323,12 @@ def _damping(trace: xr.DataArray, frequency: float) -> float:
 
 
 def _table(found: Sequence[Found], values: Values, springs: AirSprings, car: str) -> pd.DataFrame:
-    import pandas as pd
-
     rows = []
     for f in found:
         free = np.nan
         if f.mode.parameter:
             free = sqrt(f.frequency**2 - _air_squared(f.shape, f.mode, springs))  # report (4-23)
-        printed = f.mode.table[car == "empty"]
+        printed = f.mode.table[vehicle(car).parameters == "empty"]
         rows.append(
             {
                 "mode": f.mode.name,
@@ -344,8 +346,6 @@ def _table(found: Sequence[Found], values: Values, springs: AirSprings, car: str
 def _dataset(
     transfer: Mapping[tuple[str, float], xr.Dataset], found: Sequence[Found], car: str
 ) -> xr.Dataset:
-    import xarray as xr
-
     data = {}
     for (force, rear), ratios in transfer.items():
         label = f"{force}_{'in' if rear > 0 else 'anti'}phase"
@@ -361,16 +361,6 @@ def _transfer_figure(
     transfer: Mapping[tuple[str, float], xr.Dataset], found: Sequence[Found]
 ) -> Figure:
     """Imaginary part and phase of each force vector's transfer function, with the modes found."""
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
-    from ..plots import (
-        BLUE,
-        MUTED,
-        RED,
-        STYLE,
-    )
-
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.0, 9.0), layout="constrained")
         grid = figure.subplots(len(transfer), 1, sharex=True)
@@ -402,15 +392,6 @@ def _transfer_figure(
 
 
 def _decay_figure(found: Sequence[Found]) -> Figure:
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
-    from ..plots import (
-        BLUE,
-        RED,
-        STYLE,
-    )
-
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.0, 8.0), layout="constrained")
         grid = figure.subplots(len(found), 1, sharex=True)

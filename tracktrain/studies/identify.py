@@ -4,23 +4,29 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
+import matplotlib as mpl
 import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.figure import Figure
+
+from fmus.truck.identify import Identification
+from fmus.truck.identify import identify as fit
 
 from ..errors import (
     TracktrainError,
     choices,
 )
-from .command import study_command
-from .outcome import Outcome
-
-if TYPE_CHECKING:
-    import pandas as pd
-    from matplotlib.figure import Figure
-
-    from fmus.truck.identify import Identification
+from ..plots import (
+    INK,
+    MUTED,
+    RED,
+    STYLE,
+)
+from .common.command import study_command
+from .common.outcome import Outcome
 
 HEADING = re.compile(r"\s*(?P<name>.*?)\s*\[(?P<unit>[^\]]+)\]\s*")
 SYMBOLS = {
@@ -41,10 +47,6 @@ def identify(file: Path, strain: str | None = None, force: str | None = None) ->
     loop cannot tell. The noise is taken to be in the force. Raises TracktrainError for a file or
     column that cannot be used.
     """
-    import xarray as xr
-
-    from fmus.truck.identify import identify as fit
-
     table = _read(file)
     names = list(table.columns)
     columns = [_column(names, wanted, n) for n, wanted in enumerate((strain, force))]
@@ -85,8 +87,6 @@ Examples:
 
 
 def _read(file: Path) -> pd.DataFrame:
-    import pandas as pd
-
     try:
         table = pd.read_csv(file, skipinitialspace=True)
     except OSError as error:
@@ -120,8 +120,6 @@ def _unit(name: str) -> str:
 
 
 def _table(found: Identification, units: list[str]) -> pd.DataFrame:
-    import pandas as pd
-
     deflection, load = units
     rows = []
     for name, estimate in found.estimates.items():
@@ -143,16 +141,6 @@ def _table(found: Identification, units: list[str]) -> pd.DataFrame:
 def _figure(
     strain: np.ndarray, force: np.ndarray, found: Identification, units: list[str]
 ) -> Figure:
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
-    from ..plots import (
-        INK,
-        MUTED,
-        RED,
-        STYLE,
-    )
-
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.0, 4.2), layout="constrained")
         loop, rest = figure.subplots(1, 2, width_ratios=(3, 2))

@@ -4,37 +4,41 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import pi
-from typing import TYPE_CHECKING
 
+import matplotlib as mpl
 import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.figure import Figure
 
+from ..car.linear import (
+    LinearCar,
+    Parameter,
+)
+from ..car.modes import (
+    SPEEDS,
+    Critical,
+    critical_speeds,
+    linear_car,
+    name_of,
+)
 from ..options.car import (
     car_option,
     friction_option,
     speed_option,
 )
+from ..plots import (
+    BLUE,
+    INK,
+    RED,
+    STYLE,
+)
 from ..scales import (
     FOOT,
     MILE_PER_HOUR,
 )
-from .command import study_command
-from .outcome import Outcome
-from .stability import (
-    SPEEDS,
-    critical_speeds,
-    linear_car,
-    name_of,
-)
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-    from matplotlib.figure import Figure
-
-    from ..car.linear import (
-        LinearCar,
-        Parameter,
-    )
+from .common.command import study_command
+from .common.outcome import Outcome
 
 BARS = 16
 """Parameters in the picture."""
@@ -73,8 +77,9 @@ def sensitivity(
     if not critical:
         notes.append("no mode becomes unstable up to 140 ft/s: there is no critical speed")
     else:
+        speed_found = critical[0].speed
         notes.append(
-            f"critical speed {critical[0][0]:.2f} m/s ({critical[0][0] / MILE_PER_HOUR:.1f} mph)"
+            f"critical speed {speed_found:.2f} m/s ({speed_found / MILE_PER_HOUR:.1f} mph)"
         )
     notes.append(
         "growth and critical speed change by so much when the parameter grows by 1 %; "
@@ -111,16 +116,14 @@ def _table(
     growth: Mapping[str, complex],
     speed: float,
     root: complex,
-    critical: list[tuple[float, complex, str]],
+    critical: list[Critical],
     check: bool,
 ) -> pd.DataFrame:
     """One row a parameter, those that matter most first."""
-    import pandas as pd
-
     at_critical: Mapping[str, complex] = {}
     per_speed = 0.0
     if critical:
-        at_critical, along_speed = linear.slopes(critical[0][0], critical[0][1])
+        at_critical, along_speed = linear.slopes(critical[0].speed, critical[0].root)
         per_speed = along_speed.real
     rows = []
     for p in linear.parameters:
@@ -149,8 +152,6 @@ def _table(
 
 def _dataset(table: pd.DataFrame) -> xr.Dataset:
     """The table with units as attributes, since no name of a variable may have a slash."""
-    import xarray as xr
-
     columns = {}
     for heading in table.columns:
         name, _, unit = heading.partition(" [")
@@ -171,16 +172,6 @@ def _difference(linear: LinearCar, parameter: Parameter, speed: float, root: com
 
 def _figure(table: pd.DataFrame, title: str) -> Figure:
     """Ranked bars: what drives the hunting to the right, what calms it to the left."""
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
-    from ..plots import (
-        BLUE,
-        INK,
-        RED,
-        STYLE,
-    )
-
     top = table.head(BARS)[::-1]
     values = top["growth [1/s]"]
     with mpl.rc_context(STYLE):

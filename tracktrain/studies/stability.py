@@ -3,18 +3,48 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import wraps
 from math import pi
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import click
+import matplotlib as mpl
 import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.figure import Figure
 
-from ..car.hopper import (
-    BLOCK_OF,
-    hopper_car,
+from orchestrator import (
+    System,
+    describe,
+    simulate,
 )
+
+from ..car.changes import swapped
+from ..car.hopper import (
+    hopper_car,
+    layout_of,
+)
+from ..car.linear import LinearCar
+from ..car.modes import (
+    CARBODY,
+    SPEEDS,
+    Branch,
+    Critical,
+    critical_speeds,
+    follow,
+    linear_car,
+    name_of,
+)
+from ..car.shapes import (
+    Line,
+    animate_mode,
+    draw_mode,
+    wire_frame,
+)
+from ..errors import TracktrainError
 from ..options.car import (
     car_option,
     friction_option,
@@ -22,33 +52,24 @@ from ..options.car import (
     speeds_option,
     swap_option,
 )
+from ..plots import (
+    MUTED,
+    RED,
+    STYLE,
+    conversion,
+)
 from ..scales import (
     FOOT,
     MILE_PER_HOUR,
 )
 from ..terminal import Progress
-from .command import study_command
-from .outcome import Outcome
-from .ringdown import (
+from .common.command import study_command
+from .common.outcome import Outcome
+from .common.rig import completed
+from .common.ringdown import (
     Oscillation,
     oscillation,
 )
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-    from matplotlib.figure import Figure
-
-    from orchestrator import System
-
-    from ..car.linear import (
-        Complex,
-        LinearCar,
-    )
-    from ..car.shapes import Line
-
-SPEEDS = (20.0, 140.0)
-"""Speeds between which the eigenvalues are followed [ft/s], as report Figure 7-14 and beyond."""
 
 DRAWN_SPEED = 60 * FOOT
 """Speed of the modes that are drawn [m/s]."""
@@ -59,40 +80,13 @@ HIGHEST = 40.0
 KICK, LINEAR = 1e-12, 1e-5
 """Yaw of a truck that a ring-down starts from [rad]; motion up to which it is linear [m]."""
 
-NAMES = {
-    "carbody.q[1]": "lateral",
-    "carbody.q[2]": "bounce",
-    "carbody.q[3]": "roll",
-    "carbody.q[4]": "yaw",
-    "carbody.q[5]": "pitch",
-    "carbody.q[6]": "torsion",
-    "carbody.q[7]": "lateral bending",
-    "carbody.q[8]": "vertical bending",
-}
-PARTS = {
-    1: "lateral", 2: "yaw", 3: "bolster roll", 4: "warp", 5: "bolster lateral", 6: "bolster bounce",
-}  # fmt: skip
-SECOND = 0.25
-"""Share of a mode's energy from which a second coordinate is part of its name."""
-
 
 @dataclass(frozen=True)
-class Branch:
-    """A mode followed over the speeds: its name, eigenvalues [1/s] and shapes (speeds, states)."""
+class RingDown:
+    """Runs of the FMUs whose growth is identified: their speeds [m/s], other FMUs by instance."""
 
-    name: str
-    roots: Complex
-    shapes: Complex
-
-    @property
-    def frequency(self) -> np.ndarray:
-        """[Hz]"""
-        return self.roots.imag / (2 * pi)
-
-    @property
-    def damping(self) -> np.ndarray:
-        """Damping ratio."""
-        return -self.roots.real / np.abs(self.roots)
+    speeds: Sequence[float] = ()
+    swaps: Mapping[str, Path] = field(default_factory=dict)
 
 
 def stability(
@@ -101,8 +95,7 @@ def stability(
     changes: Mapping[str, float] | None = None,
     speeds: Sequence[float] | None = None,
     drawn_speed: float = DRAWN_SPEED,
-    ring_down: Sequence[float] = (),
-    swaps: Mapping[str, Path] | None = None,
+    ring_down: RingDown = RingDown(),
     animate: bool = True,
     progress: Progress | None = None,
 ) -> Outcome:
@@ -114,12 +107,6 @@ def stability(
     the growth is also identified from a run of the FMUs; `swaps` are other FMUs for that run, by
     instance. The modes are drawn at `drawn_speed` [m/s].
     """
-    from ..car.linear import LinearCar
-    from ..car.shapes import (
-        animate_mode,
-        draw_mode,
-    )
-
     grid = np.asarray(
         speeds if speeds is not None else np.arange(SPEEDS[0], SPEEDS[1] + 1, 2) * FOOT
     )
@@ -130,10 +117,9 @@ def stability(
         "modes": _modes_table(linear, drawn_speed),
         "critical_speed": _critical_table(critical),
     }
-    if ring_down:
-        system = _swapped(hopper_car(car, track="perfect"), swaps or {})
+    if ring_down.speeds:
         stuck = linear if friction == "stuck" else LinearCar(car, changes)
-        tables["ring_down"] = _ring_down_table(stuck, system, changes or {}, ring_down)
+        tables["ring_down"] = _ring_down_table(stuck, ring_down, changes or {})
     pictures = {"figure_7_14": _figure(branches, grid, friction)}
     files: dict[str, bytes] = {}
     for figure, word in (("figure_7_15", "roll"), ("figure_7_16", "torsion")):
@@ -147,8 +133,13 @@ def stability(
         tables=tables,
         pictures=pictures,
         files=files,
-        notes=_notes(critical, grid, friction, bool(ring_down)),
+        notes=_notes(critical, grid, friction, bool(ring_down.speeds)),
     )
+
+
+@wraps(stability)
+def _from_options(ring_down: Sequence[float], swaps: Mapping[str, Path], **given: Any) -> Outcome:
+    return stability(ring_down=RingDown(ring_down, swaps), **given)
 
 
 command = study_command(
@@ -166,72 +157,7 @@ Examples:
   tracktrain study stability
   tracktrain study stability --friction damper --speed "80 ft/s"
   tracktrain study stability --ring-down "60 ft/s" --ring-down "100 ft/s\"""",
-)(stability)
-
-
-def linear_car(car: str, friction: str, changes: Mapping[str, float] | None) -> LinearCar:
-    """The car; its dampers are made for the frequency that it hunts at. # report (7-7)"""
-    from ..car.linear import LinearCar
-
-    if friction != "damper":
-        return LinearCar(car, changes, friction)
-    roots, _ = LinearCar(car, changes).modes(DRAWN_SPEED)
-    return LinearCar(car, changes, friction, omega=float(roots[roots.real.argmax()].imag))
-
-
-def follow(linear: LinearCar, speeds: np.ndarray, progress: Progress | None = None) -> list[Branch]:
-    """The modes of all speeds, joined by likeness of shape and nearness of eigenvalue."""
-    from scipy.optimize import linear_sum_assignment
-
-    roots, shapes = linear.modes(speeds[0])
-    paths = [([root], [shapes[:, i]]) for i, root in enumerate(roots)]
-    for number, speed in enumerate(speeds[1:], start=2):
-        roots, shapes = linear.modes(speed)
-        last = np.array([path[1][-1] for path in paths])
-        before = np.array([path[0][-1] for path in paths])
-        alike = np.abs(last.conj() @ shapes)
-        far = np.abs(before[:, None] - roots) / np.maximum(np.abs(before[:, None]), np.abs(roots))
-        lines, columns = linear_sum_assignment(far - alike)
-        for line, column in zip(lines, columns, strict=True):
-            paths[line][0].append(roots[column])
-            paths[line][1].append(shapes[:, column])
-        if progress:
-            progress(number / len(speeds))
-    whole = [path for path in paths if len(path[0]) == len(speeds)]
-    middle = len(speeds) // 2
-    return [
-        Branch(name_of(linear, path[1][middle]), np.array(path[0]), np.array(path[1]))
-        for path in whole
-    ]
-
-
-def name_of(linear: LinearCar, shape: Complex) -> str:
-    """A mode's name, by the coordinates that have most of its kinetic energy."""
-    shares: dict[str, float] = {}
-    for coordinate, share in linear.energies(shape).items():
-        place = coordinate.partition(".q[")[2]
-        name = NAMES.get(coordinate) or f"truck {PARTS[int(place[:-1])]}"
-        shares[name] = shares.get(name, 0.0) + share
-    first, second = sorted(shares.items(), key=lambda item: -item[1])[:2]
-    return f"{first[0]} + {second[0]}" if second[1] >= SECOND else first[0]
-
-
-def critical_speeds(linear: LinearCar, speeds: np.ndarray) -> list[tuple[float, complex, str]]:
-    """Speeds [m/s] at which a mode becomes unstable, its eigenvalue there, and its name."""
-    from scipy.optimize import brentq
-
-    def growth(speed: float) -> float:
-        return linear.growth(speed)
-
-    levels = [growth(speed) for speed in speeds]
-    found = []
-    for low, high, before, after in zip(speeds, speeds[1:], levels, levels[1:], strict=False):
-        if before < 0.0 <= after:
-            speed = brentq(growth, low, high, xtol=1e-9)
-            roots, shapes = linear.modes(speed)
-            most = int(roots.real.argmax())
-            found.append((float(speed), complex(roots[most]), name_of(linear, shapes[:, most])))
-    return found
+)(_from_options)
 
 
 def identified(system: System, speed: float, duration: float = 80.0) -> Oscillation:
@@ -240,15 +166,11 @@ def identified(system: System, speed: float, duration: float = 80.0) -> Oscillat
     Whatever FMUs it has: frequency and growth come from the run alone, from its last third before
     friction gives way.
     """
-    from orchestrator import simulate
-
-    from ..errors import TracktrainError
-
-    car = system.with_value("track.speed", speed).with_value(_kicked(system), KICK)
-    run = simulate(car, duration=duration, record=["truck_front.axle[1].y"])
-    if not run.completed:
-        raise TracktrainError(f"the ring-down at {speed:g} m/s stopped: {run.message}")
-    motion = run.dataset["truck_front.axle[1].y"].values
+    layout = layout_of(system)
+    observed = f"{layout.leading.port}.y"
+    car = system.with_value(f"{layout.track}.speed", speed).with_value(_kicked(system), KICK)
+    run = simulate(car, duration=duration, record=[observed])
+    motion = completed(run, f"the ring-down at {speed:g} m/s").dataset[observed].values
     large = np.flatnonzero(np.abs(motion) > LINEAR)
     end = int(large[0]) if large.size else len(motion)
     late = slice(end - end // 3, end)
@@ -257,11 +179,7 @@ def identified(system: System, speed: float, duration: float = 80.0) -> Oscillat
 
 def _kicked(system: System) -> str:
     """The initial yaw of a truck that has one."""
-    from orchestrator import describe
-
-    from ..errors import TracktrainError
-
-    for truck in ("truck_front", "truck_rear"):
+    for truck in layout_of(system).instances("truck"):
         fmu = Path(str(system.components[truck].fmu))
         if "initial.yaw" in describe(fmu).variables:
             return f"{truck}.initial.yaw"
@@ -270,17 +188,7 @@ def _kicked(system: System) -> str:
     )
 
 
-def _swapped(system: System, swaps: Mapping[str, Path]) -> System:
-    from ..car.changes import swapped
-
-    for instance, path in swaps.items():
-        system, _ = swapped(system, instance, path)
-    return system
-
-
 def _modes_table(linear: LinearCar, speed: float) -> pd.DataFrame:
-    import pandas as pd
-
     roots, shapes = linear.modes(speed)
     rows = [
         {
@@ -295,9 +203,7 @@ def _modes_table(linear: LinearCar, speed: float) -> pd.DataFrame:
     return pd.DataFrame(rows).set_index("mode")
 
 
-def _critical_table(critical: Sequence[tuple[float, complex, str]]) -> pd.DataFrame:
-    import pandas as pd
-
+def _critical_table(critical: Sequence[Critical]) -> pd.DataFrame:
     rows = [
         {
             "mode": name,
@@ -313,16 +219,17 @@ def _critical_table(critical: Sequence[tuple[float, complex, str]]) -> pd.DataFr
 
 
 def _ring_down_table(
-    linear: LinearCar, system: System, changes: Mapping[str, float], speeds: Sequence[float]
+    linear: LinearCar, ring_down: RingDown, changes: Mapping[str, float]
 ) -> pd.DataFrame:
-    import pandas as pd
-
+    system = hopper_car(linear.car, track="perfect")
+    for instance, path in ring_down.swaps.items():
+        system, _ = swapped(system, instance, path)
     for name, value in changes.items():
-        for instance, block in BLOCK_OF.items():
+        for instance, block in linear.layout.blocks.items():
             if name in system.components[instance].parameters or name.startswith(f"{block}."):
                 system = system.with_value(f"{instance}.{name.removeprefix(block + '.')}", value)
     rows = []
-    for speed in speeds:
+    for speed in ring_down.speeds:
         found = identified(system, speed)
         roots, _ = linear.modes(speed)
         own = complex(found.growth, 2 * pi * found.frequency)
@@ -341,14 +248,12 @@ def _ring_down_table(
 
 def _drawn(linear: LinearCar, speed: float, word: str) -> tuple[list[Line], str]:
     """Lines and title of the slowest mode with at least half of the largest share of a motion."""
-    from ..car.shapes import wire_frame
-
-    coordinate = next(c for c, name in NAMES.items() if name == word)
+    coordinate = f"{linear.layout.carbody}.q[{CARBODY.index(word) + 1}]"
     roots, shapes = linear.modes(speed)
     shares = np.array([linear.energies(shape)[coordinate] for shape in shapes.T])
     place = int(np.flatnonzero(shares >= 0.5 * shares.max())[0])
     root = roots[place]
-    shape = dict(zip(linear.states, shapes[:, place], strict=True))
+    shape = linear.coordinates(shapes)[:, place]
     title = (
         f"{word} mode: {root.imag / (2 * pi):.2f} Hz, damping ratio "
         f"{-root.real / abs(root):+.3f}, at {speed / FOOT:.0f} ft/s"
@@ -357,8 +262,6 @@ def _drawn(linear: LinearCar, speed: float, word: str) -> tuple[list[Line], str]
 
 
 def _dataset(branches: Sequence[Branch], speeds: np.ndarray, car: str, friction: str) -> xr.Dataset:
-    import xarray as xr
-
     names = [branch.name for branch in branches]
     data = {
         "frequency": (
@@ -380,16 +283,6 @@ def _dataset(branches: Sequence[Branch], speeds: np.ndarray, car: str, friction:
 
 def _figure(branches: Sequence[Branch], speeds: np.ndarray, friction: str) -> Figure:
     """Damping ratio and frequency of the slow modes against speed."""
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
-    from ..plots import (
-        MUTED,
-        RED,
-        STYLE,
-        conversion,
-    )
-
     slow = [b for b in branches if b.frequency.mean() < 12.0]
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.0, 7.6), layout="constrained")
@@ -415,7 +308,7 @@ def _figure(branches: Sequence[Branch], speeds: np.ndarray, friction: str) -> Fi
 
 
 def _notes(
-    critical: Sequence[tuple[float, complex, str]], speeds: np.ndarray, friction: str, rung: bool
+    critical: Sequence[Critical], speeds: np.ndarray, friction: str, rung: bool
 ) -> list[str]:
     notes = ["a ring-down is of small motion, in which friction is stuck"] if rung else []
     if not critical:

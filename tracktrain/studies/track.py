@@ -2,12 +2,39 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import click
 import matplotlib as mpl
 import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from fmus.track import realisation
+from fmus.track.irregularity import (
+    LINES,
+    SPACING,
+)
+from fmus.track.spectra import (
+    CHANNELS,
+    SPECTRA,
+    amplitudes,
+    band_variance,
+    corners,
+    density,
+    grid_spacing,
+)
+from orchestrator import (
+    Component,
+    System,
+    simulate,
+)
+
+from ..car.hopper import (
+    HOPPER,
+    hopper_car,
+    parameters_of,
+)
 from ..options.car import (
     seed_option,
     track_option,
@@ -24,14 +51,8 @@ from ..scales import (
     DISPLACEMENT,
     FOOT,
 )
-from .command import study_command
-from .outcome import Outcome
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from .common.command import study_command
+from .common.outcome import Outcome
 
 SPEED = 10.0
 """Speed of the axle that feels the rails [m/s]; the rails depend on the distance alone."""
@@ -43,8 +64,6 @@ def track(track: str = "report", seed: int = 1, length: float = 2000.0) -> Outco
     Report Figures 5-3 to 5-5. The rails are those that the track FMU gives under one axle over
     `length` [m], without the fade-in. Raises HopperError for a track that is not known.
     """
-    from fmus.track import realisation
-
     rails = _rails(track, seed, length)
     spectrum = realisation.spectrum(rails, segment=min(400.0, length / 4))
     band = _band(track)
@@ -92,18 +111,7 @@ Examples:
 
 def _rails(track: str, seed: int, length: float) -> xr.Dataset:
     """The four channels [m] over the station [m], out of the FMU."""
-    import xarray as xr
-
-    from fmus.track.irregularity import SPACING
-    from orchestrator import (
-        Component,
-        System,
-        simulate,
-    )
-
-    from ..car.hopper import hopper_car
-
-    component = hopper_car(speed=SPEED, track=track, seed=seed).components["track"]
+    component = hopper_car(speed=SPEED, track=track, seed=seed).components[HOPPER.track]
     values = {**component.parameters, "fade_length": 0.0}
     system = System({"track": Component(component.fmu, values)})
     run = simulate(system, duration=length / SPEED, step=SPACING / SPEED)
@@ -126,14 +134,9 @@ def _rails(track: str, seed: int, length: float) -> xr.Dataset:
 
 def _band(track: str) -> tuple[float, float]:
     """Lowest and highest frequency [cycle/m] of the lines."""
-    from fmus.describe.parameters import parameter_set
-    from fmus.track import Track
-    from fmus.track.irregularity import LINES
-    from fmus.track.spectra import grid_spacing
-
     if track == "report":
         return 0.5 * grid_spacing(), (LINES + 0.5) * grid_spacing()
-    values = parameter_set("loaded").values(Track())
+    values = parameters_of("loaded")["track"]
     return 1 / values["wavelength_max"], 1 / values["wavelength_min"]
 
 
@@ -142,19 +145,6 @@ def _target(track: str, frequency: np.ndarray, band: tuple[float, float]) -> xr.
 
     The attribute `rms` of a channel is that of the whole band [m].
     """
-    import xarray as xr
-
-    from fmus.describe.parameters import parameter_set
-    from fmus.track import Track
-    from fmus.track.spectra import (
-        CHANNELS,
-        SPECTRA,
-        amplitudes,
-        band_variance,
-        corners,
-        density,
-    )
-
     name = track.replace("-", "_")
     number = SPECTRA.index(name)
     inside = (frequency >= band[0]) & (frequency <= band[1])
@@ -164,7 +154,7 @@ def _target(track: str, frequency: np.ndarray, band: tuple[float, float]) -> xr.
         level = amplitudes()[row, number]
         variance = band_variance(name, channel, 1 / band[1], 1 / band[0])
         if name == "report" and level:  # whose level follows from its rms
-            wanted = parameter_set("loaded").values(Track())["report_rms"] ** 2
+            wanted = parameters_of("loaded")["track"]["report_rms"] ** 2
             level, variance = level * wanted / variance, wanted
         per_cycle = 2 * np.pi * density(channel, wavenumber, level, *corners()[:, number])
         attributes = {"units": "m**3", "rms": float(np.sqrt(variance))}
@@ -176,10 +166,6 @@ def _table(
     rails: xr.Dataset, spectrum: xr.Dataset, target: xr.Dataset, band: tuple[float, float]
 ) -> pd.DataFrame:
     """Rms of each channel: of the record, of its spectrum in the band, and of the target."""
-    import pandas as pd
-
-    from fmus.track import realisation
-
     in_band = realisation.band_rms(spectrum, 1 / band[1], 1 / band[0])
     rows = {
         name.replace("_", " "): {
@@ -197,8 +183,6 @@ def _table(
 @mpl.rc_context(STYLE)
 def _histogram_figure(rails: xr.Dataset, channels: list[str]) -> Figure:
     """Distribution of each channel beside the normal one of the same mean and deviation."""
-    from fmus.track import realisation
-
     figure, axes = _axes(channels, 2.6)
     for ax, name in zip(axes, channels, strict=True):
         values = 1e3 * rails[name].values
@@ -253,7 +237,5 @@ def _realisation_figure(rails: xr.Dataset, channels: list[str]) -> Figure:
 
 
 def _axes(channels: list[str], height: float) -> tuple[Figure, list[Axes]]:
-    from matplotlib.figure import Figure
-
     figure = Figure(figsize=(9.0, 0.8 + height * len(channels)), layout="constrained")
     return figure, list(figure.subplots(len(channels), sharex=True, squeeze=False)[:, 0])

@@ -7,37 +7,46 @@ from dataclasses import dataclass
 from itertools import product
 from math import cos, pi, sin
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
+import matplotlib as mpl
 import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.figure import Figure
 
+from fmus.truck.block import GRAVITY
+from fmus.truck.ports import ELEMENTS
+from orchestrator import InlineModel
+
+from ..car.hopper import parameters_of
 from ..options.car import (
     car_option,
     fmu_option,
 )
 from ..options.types import Name
+from ..plots import (
+    BLUE,
+    GREEN,
+    PURPLE,
+    RED,
+    STYLE,
+    conversion,
+)
 from ..scales import (
     INCH,
     POUND_FORCE,
 )
 from ..terminal import Progress
-from .command import study_command
-from .outcome import Outcome
-from .rig import (
+from .common.command import study_command
+from .common.outcome import Outcome
+from .common.rig import (
     Signals,
     completed,
     rig,
     run_on_rig,
     under_test,
 )
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-    from matplotlib.figure import Figure
-
-    from orchestrator import InlineModel
 
 LOADS = (20.0, 50.0, 100.0)
 """Vertical loads on the bolster [kip], report section 4.2.4."""
@@ -93,11 +102,8 @@ def truck_hysteresis(
     cycle [s]. The rig holds the axles, sets the load by the height of the carbody, and moves the
     carbody or, for warp, the axles. `fmu` is a truck to test instead of ours.
     """
-    from fmus.describe.parameters import parameter_set
-    from fmus.truck import Truck
-
-    values = parameter_set(car).values(Truck())
-    place, parameters = under_test(car, "truck_front", fmu)
+    values = parameters_of(car)["truck"]
+    place, parameters = under_test(car, "truck", fmu)
     given = {**parameters, "wedge_law": wedge_law}
     cycles: list[Cycle] = []
     plan = list(product(DRIVES, loads, periods))
@@ -219,8 +225,6 @@ def _smoothstep(u: float, rate: float) -> tuple[float, float]:
 
 def _static_load(values: Values) -> float:
     """Static load of the springs [N], P of the truck's equation (7)."""
-    from fmus.truck.block import GRAVITY
-
     carried = 2 * (values["wheelset_mass"] + values["side_frame_mass"]) * GRAVITY
     return 2 * values["axle_load"] - carried
 
@@ -260,8 +264,6 @@ def _force(element: int, values: Values, strain: float) -> float:
 
 
 def _name(element: int) -> str:
-    from fmus.truck.ports import ELEMENTS
-
     return tuple(ELEMENTS)[element - 1]
 
 
@@ -284,10 +286,6 @@ def _cycles(dataset: xr.Dataset, drive: str, load: float, period: float) -> Iter
 
 def _dataset(cycles: Sequence[Cycle], car: str, wedge_law: str) -> xr.Dataset:
     """Loops of all elements over load and period, at equal phases of the cycle."""
-    import xarray as xr
-
-    from fmus.truck.ports import ELEMENTS
-
     loads = sorted({c.load for c in cycles})
     periods = sorted({c.period for c in cycles})
     phase = np.arange(1000) / 1000
@@ -312,8 +310,6 @@ def _dataset(cycles: Sequence[Cycle], car: str, wedge_law: str) -> xr.Dataset:
 
 def _table(cycles: Sequence[Cycle], values: Values, wedge_law: str) -> pd.DataFrame:
     """Amplitude A, peak force, energy per cycle, and this in closed form."""
-    import pandas as pd
-
     rows = []
     for c in sorted(cycles, key=lambda c: (c.element, c.load, c.period)):
         limit = values[f"{_name(c.element)}.friction_limit"]
@@ -344,10 +340,6 @@ def _limit_ratio(cycle: Cycle, values: Values, wedge_law: str) -> float:
 
 def _csv(cycles: Sequence[Cycle]) -> Iterator[tuple[str, bytes]]:
     """One loop of each element at the largest load, as `study identify` reads it."""
-    import pandas as pd
-
-    from fmus.truck.ports import ELEMENTS
-
     for element, (name, unit) in enumerate(ELEMENTS.items(), start=1):
         own = [c for c in cycles if c.element == element]
         c = max(own, key=lambda c: (c.load, -c.period))
@@ -358,20 +350,6 @@ def _csv(cycles: Sequence[Cycle]) -> Iterator[tuple[str, bytes]]:
 
 def _figure(cycles: Sequence[Cycle]) -> Figure:
     """Loops of all elements, by load, with the report's units on the far axes."""
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
-    from fmus.truck.ports import ELEMENTS
-
-    from ..plots import (
-        BLUE,
-        GREEN,
-        PURPLE,
-        RED,
-        STYLE,
-        conversion,
-    )
-
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.0, 6.8), layout="constrained")
         grid = figure.subplots(2, 3).ravel()

@@ -7,37 +7,50 @@ from dataclasses import dataclass, replace
 from functools import cache
 from math import pi
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
+import matplotlib as mpl
 import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.figure import Figure
+from scipy.linalg import expm
+from scipy.optimize import brentq
 
+from fmus.wheelrail.wheelset import Restraint, klingel_wavelength
+from orchestrator import (
+    Component,
+    Connection,
+    InlineModel,
+    Run,
+    System,
+    Tangent,
+    Value,
+    simulate,
+)
+
+from ..car.hopper import parameters_of
 from ..options.car import (
     car_option,
     fmu_option,
 )
+from ..plots import (
+    BLUE,
+    MUTED,
+    RED,
+    STYLE,
+)
 from ..scales import FOOT
-from .command import study_command
-from .outcome import Outcome
-from .rig import (
+from .common.command import study_command
+from .common.outcome import Outcome
+from .common.rig import (
     completed,
     under_test,
 )
-from .ringdown import (
+from .common.ringdown import (
     Oscillation,
     oscillation,
 )
-
-if TYPE_CHECKING:
-    import pandas as pd
-    from matplotlib.figure import Figure
-
-    from fmus.wheelrail.wheelset import Restraint
-    from orchestrator import (
-        InlineModel,
-        Run,
-    )
-    from orchestrator.system.system import Value
 
 LATERAL_STIFFNESS, YAW_STIFFNESS = 2e6, 2e6
 """Of the springs to the ground [N/m, N.m/rad]; assumed, those of a published closed-form case."""
@@ -78,30 +91,21 @@ def wheelset(
     further parameters [SI] of the block, or `wheelset_mass` and `wheelset_yaw_inertia`. Flange and
     gravity are off, as in the closed forms. `fmu` is a wheel/rail block to test instead of ours.
     """
-    import xarray as xr
+    settings, parameters = dict(settings or {}), parameters_of(car)
+    mass, inertia = (
+        settings.pop(name, parameters["truck"][name])
+        for name in ("wheelset_mass", "wheelset_yaw_inertia")
+    )
+    values = parameters["wheelrail"] | {"flange_stiffness": 0.0, "gravity_factor": 0.0, **settings}
+    place, given = under_test(car, "wheelrail", fmu)
+    stand = _Stand(place, {name: values.get(name, value) for name, value in given.items()})
 
-    from fmus.describe.parameters import parameter_set
-    from fmus.truck import Truck
-    from fmus.wheelrail import WheelRail
-    from fmus.wheelrail.wheelset import Restraint, klingel_wavelength
-
-    settings = dict(settings or {})
-    truck = parameter_set(car).values(Truck())
-    mass = settings.pop("wheelset_mass", truck["wheelset_mass"])
-    inertia = settings.pop("wheelset_yaw_inertia", truck["wheelset_yaw_inertia"])
-    values = parameter_set(car).values(WheelRail())
-    values |= {"flange_stiffness": 0.0, "gravity_factor": 0.0, **settings}
-    place, parameters = under_test(car, "wheelset_11", fmu)
-    given = {name: values.get(name, value) for name, value in parameters.items()}
-    stand = _Stand(place, given)
-
-    half_wheelbase = truck["half_wheelbase"]
+    half_wheelbase = parameters["truck"]["half_wheelbase"]
     light = Frame(0.01 * mass, 0.01 * inertia)
+    rigid = replace(light, stations=(half_wheelbase, -half_wheelbase))
     paths = {
-        "free wheelset": stand.run(light, SLOW, ROLLED / SLOW),
-        "rigid truck": stand.run(
-            replace(light, stations=(half_wheelbase, -half_wheelbase)), SLOW, ROLLED / SLOW
-        ),
+        name: stand.run(frame, SLOW, ROLLED / SLOW)
+        for name, frame in (("free wheelset", light), ("rigid truck", rigid))
     }
     formula = {
         "free wheelset": klingel_wavelength(values),
@@ -114,27 +118,8 @@ def wheelset(
     by_roots = restraint.critical_speed(values, 0.5 * exact, 2.0 * exact)
     return Outcome(
         title=f"Wheelset, {car}",
-        dataset=xr.Dataset(
-            {
-                **{
-                    f"{name.replace(' ', '_')}.y": (
-                        "distance",
-                        run.dataset["rig.axle[1].y"].values,
-                        {"units": "m"},
-                    )
-                    for name, run in paths.items()
-                },
-                "growth": ("speed", curve[1], {"units": "1/s"}),
-            },
-            {
-                "distance": (
-                    "distance",
-                    SLOW * paths["free wheelset"].dataset.time.values,
-                    {"units": "m"},
-                ),
-                "speed": ("speed", curve[0], {"units": "m/s"}),
-            },
-            {"car": car, "lateral_stiffness": lateral_stiffness, "yaw_stiffness": yaw_stiffness},
+        dataset=_dataset(paths, curve).assign_attrs(
+            car=car, lateral_stiffness=lateral_stiffness, yaw_stiffness=yaw_stiffness
         ),
         tables={
             "wavelength": _wavelengths(paths, formula),
@@ -184,13 +169,6 @@ class _Stand:
 
     def run(self, frame: Frame, speed: float, duration: float) -> Run:
         """Roll from a yaw of 0.1 mrad at a speed [m/s] for a time [s]."""
-        from orchestrator import (
-            Component,
-            Connection,
-            System,
-            simulate,
-        )
-
         axles = range(1, len(frame.stations) + 1)
         rolling = {**self.parameters, "speed": speed}
         system = System(
@@ -212,13 +190,6 @@ class _Stand:
 
 def _mass_on_wheelsets(frame: Frame) -> InlineModel:
     """The frame as a component: exact under loads linear in time and in its motion."""
-    from scipy.linalg import expm
-
-    from orchestrator import (
-        InlineModel,
-        Tangent,
-    )
-
     axles = range(1, len(frame.stations) + 1)
     inverse = np.diag([1 / frame.mass, 1 / frame.inertia])
     springs = np.diag([frame.lateral, frame.yaw])
@@ -291,8 +262,6 @@ def _critical_speed(
 ) -> tuple[float, Oscillation, tuple[np.ndarray, np.ndarray]]:
     """Speed [m/s] at which the growth of the motion vanishes, the oscillation there, and the
     growth [1/s] at the speeds that were tried."""
-    from scipy.optimize import brentq
-
     tried: dict[float, Oscillation] = {}
 
     def growth(speed: float) -> float:
@@ -309,9 +278,24 @@ def _critical_speed(
     return critical, tried[nearest], (speeds, np.array([tried[s].growth for s in speeds]))
 
 
-def _wavelengths(paths: Mapping[str, Run], formula: Mapping[str, float]) -> pd.DataFrame:
-    import pandas as pd
+def _dataset(paths: Mapping[str, Run], curve: tuple[np.ndarray, np.ndarray]) -> xr.Dataset:
+    """Lateral motion over the distance of both vehicles, and growth over speed."""
+    metres = {"units": "m"}
+    motions = {
+        f"{name.replace(' ', '_')}.y": ("distance", run.dataset["rig.axle[1].y"].values, metres)
+        for name, run in paths.items()
+    }
+    distance = SLOW * paths["free wheelset"].dataset.time.values
+    return xr.Dataset(
+        {**motions, "growth": ("speed", curve[1], {"units": "1/s"})},
+        {
+            "distance": ("distance", distance, metres),
+            "speed": ("speed", curve[0], {"units": "m/s"}),
+        },
+    )
 
+
+def _wavelengths(paths: Mapping[str, Run], formula: Mapping[str, float]) -> pd.DataFrame:
     rows = {}
     for name, run in paths.items():
         y = run.dataset["rig.axle[1].y"]
@@ -331,8 +315,6 @@ def _criticals(
     by_roots: tuple[float, float],
     exact: tuple[float, float],
 ) -> pd.DataFrame:
-    import pandas as pd
-
     ways = {
         "run of the FMU": (critical, found.frequency),
         "eigenvalues of the block": (by_roots[0], by_roots[1] / (2 * pi)),
@@ -343,16 +325,6 @@ def _criticals(
 
 
 def _path_figure(paths: Mapping[str, Run], formula: Mapping[str, float]) -> Figure:
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
-    from ..plots import (
-        BLUE,
-        MUTED,
-        RED,
-        STYLE,
-    )
-
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.0, 4.4), layout="constrained")
         grid = figure.subplots(2, 1, sharex=True)
@@ -370,16 +342,6 @@ def _path_figure(paths: Mapping[str, Run], formula: Mapping[str, float]) -> Figu
 def _growth_figure(
     curve: Sequence[np.ndarray], restraint: Restraint, values: Values, exact: float
 ) -> Figure:
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
-    from ..plots import (
-        BLUE,
-        MUTED,
-        RED,
-        STYLE,
-    )
-
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.0, 3.2), layout="constrained")
         axes = figure.subplots()

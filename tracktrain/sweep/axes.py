@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from ..car.changes import assigned
 from ..car.hopper import (
-    BLOCK_OF,
     CARS,
     TRACKS,
     hopper_car,
+    instances,
 )
 from ..errors import (
     TracktrainError,
@@ -202,14 +202,14 @@ def _check_parameter(axis: Axis) -> None:
             f"'{axis.name}' cannot be swept over; {choices(axis.name, OPTIONS)}, or a parameter as "
             "instance.parameter"
         )
-    if instance not in BLOCK_OF:
-        raise SweepError(f"there is no instance '{instance}'; {choices(instance, BLOCK_OF)}")
+    if instance not in instances():
+        raise SweepError(f"there is no instance '{instance}'; {choices(instance, instances())}")
     variables = _variables(instance)
     if parameter not in variables:
         known = [n for n, v in variables.items() if v.causality == "parameter"]
         raise SweepError(f"{instance} has no parameter '{parameter}'; {choices(parameter, known)}")
     for value in axis.values:
-        assigned(_usual_car(), instance, parameter, axis.text(value))
+        assigned(_car_with(instance), instance, parameter, axis.text(value))
 
 
 def _converted(axis: Axis, value: Any) -> float:
@@ -229,7 +229,7 @@ def _converted(axis: Axis, value: Any) -> float:
 
 def _unit_of(name: str) -> str:
     instance, _, parameter = name.partition(".")
-    if instance not in BLOCK_OF or parameter not in _variables(instance):
+    if instance not in instances() or parameter not in _variables(instance):
         return ""
     unit = _variables(instance)[parameter].unit
     return "" if unit in (None, "1") else str(unit)
@@ -240,8 +240,8 @@ def _variables(instance: str) -> Mapping[str, Any]:
 
     from orchestrator import describe
 
-    return describe(Path(str(_usual_car().components[instance].fmu))).variables
+    return describe(Path(str(_car_with(instance).components[instance].fmu))).variables
 
 
-def _usual_car() -> System:
-    return hopper_car()
+def _car_with(instance: str) -> System:
+    return hopper_car(next(n for n, car in CARS.items() if instance in car.layout.blocks))

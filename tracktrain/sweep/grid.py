@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..car.hopper import (
+    CARS,
     REPORT_SPEED,
     hopper_car,
 )
-from ..cli.summary import ROWS
 from ..errors import choices
 from ..terminal import Progress
 from .axes import (
@@ -52,15 +52,12 @@ USUAL: dict[str, Any] = {
 }
 """What the runs of a sweep have in common, where it does not say otherwise: as `tracktrain run`."""
 
-OUTPUTS = tuple(variable for group in ROWS.values() for variable, _ in group.values())
-"""Outputs whose numbers are taken: those that a run prints."""
-
 
 def sweep(
     over: Mapping[str, Given] | Sequence[Axis],
     *,
     out: Path | str | None = None,
-    outputs: Sequence[str] = OUTPUTS,
+    outputs: Sequence[str] | None = None,
     workers: int | None = None,
     scheduler: str | None = None,
     reuse: bool = True,
@@ -72,7 +69,8 @@ def sweep(
     over: by "speed", "seed", "car", "track", "duration", "step", "master" or
     "instance.parameter" the values, as "60:100:20 ft/s", "loaded,empty" or a sequence [SI].
     out: folder for rows.jsonl, which has each run as soon as it is done, and in the end sweep.csv
-    and sweep.nc; a sweep that was stopped goes on from there. outputs: names or patterns.
+    and sweep.nc; a sweep that was stopped goes on from there. outputs: names or patterns; those
+    that a run prints when None.
     workers, scheduler: see `workers.rows`. reuse: keep FMUs loaded between runs. options: what all
     runs have, by the names of `USUAL`.
     Raises SweepError for what cannot be swept over; a run that fails is a row that says why.
@@ -127,16 +125,19 @@ def _shape(options: Mapping[str, Any], axes: Sequence[Axis]) -> dict[str, Any]:
 
 
 def _asked(
-    axes: Sequence[Axis], shape: Mapping[str, Any], outputs: Sequence[str]
+    axes: Sequence[Axis], shape: Mapping[str, Any], outputs: Sequence[str] | None
 ) -> dict[str, Any]:
     """All that decides what the rows are, the FMUs included."""
     from orchestrator import describe
 
+    cars = next((axis.values for axis in axes if axis.name == "car"), [shape.get("car")])
+    layouts = [CARS[str(car)].layout for car in cars if car in CARS]
+    printed = dict.fromkeys(name for layout in layouts for name in layout.printed)
     fmus = {Path(str(c.fmu)) for c in hopper_car().components.values()}
     fmus |= {Path(path) for _, _, path in shape["swaps"]}
     return {
         "over": {axis.label: axis.values for axis in axes},
         "options": shape,
-        "outputs": outputs,
+        "outputs": outputs or list(printed),
         "FMUs": {path.name: describe(path).sha256 for path in sorted(fmus)},
     }

@@ -39,7 +39,7 @@ def session() -> Session:
     return Session()
 
 
-def run_one(options: Mapping[str, Any], outputs: Sequence[str], reuse: bool = True) -> Row:
+def run_one(options: Mapping[str, Any], outputs: Sequence[str] | None, reuse: bool = True) -> Row:
     """Run the car of `chosen_car`'s options and `simulate`'s coupling; its numbers by column.
 
     The units stand under "units". A run that fails says why under "message", and has what was
@@ -47,6 +47,7 @@ def run_one(options: Mapping[str, Any], outputs: Sequence[str], reuse: bool = Tr
     """
     from orchestrator import simulate
 
+    from ..car.hopper import layout_of
     from ..failures import PACKAGES
     from ..options.chosen import chosen_car
     from ..options.master import COUPLING
@@ -55,8 +56,10 @@ def run_one(options: Mapping[str, Any], outputs: Sequence[str], reuse: bool = Tr
     car = {name: value for name, value in options.items() if name not in COUPLING}
     coupled = {name: value for name, value in options.items() if name in COUPLING}
     try:
+        system = chosen_car(**car)
+        outputs = outputs or layout_of(system).printed
         run = simulate(
-            chosen_car(**car),
+            system,
             record=[*outputs, LOAD_RATIOS],
             session=session() if reuse else None,
             **coupled,
@@ -74,7 +77,7 @@ def run_one(options: Mapping[str, Any], outputs: Sequence[str], reuse: bool = Tr
 
 
 def _numbers(run: Run, outputs: Sequence[str]) -> Row:
-    from orchestrator.results.metrics import (
+    from orchestrator import (
         dominant_frequency,
         peak,
         rms,

@@ -34,7 +34,7 @@ Tasks = Mapping[int, Mapping[str, Any]]
 
 def rows(
     tasks: Tasks,
-    outputs: Sequence[str],
+    outputs: Sequence[str] | None,
     workers: int | None = None,
     scheduler: str | None = None,
     reuse: bool = True,
@@ -99,7 +99,7 @@ def _ctrl_c_ignored() -> Iterator[None]:
 
 
 def _distributed(
-    client: Client, tasks: Tasks, outputs: Sequence[str], reuse: bool
+    client: Client, tasks: Tasks, outputs: Sequence[str] | None, reuse: bool
 ) -> Iterator[tuple[int, Row]]:
     from distributed import as_completed
 
@@ -112,7 +112,7 @@ def _distributed(
         if not batch:
             return []
         runs = [dict(tasks[number]) for number in batch]
-        future = client.submit(_run_all, runs, list(outputs), reuse, pure=False)
+        future = client.submit(_run_all, runs, outputs, reuse, pure=False)
         numbers[future.key] = batch
         return [future]
 
@@ -137,5 +137,7 @@ def _distributed(
         done.update(submitted(list(islice(left, size))))
 
 
-def _run_all(runs: Sequence[Mapping[str, Any]], outputs: Sequence[str], reuse: bool) -> list[Row]:
+def _run_all(
+    runs: Sequence[Mapping[str, Any]], outputs: Sequence[str] | None, reuse: bool
+) -> list[Row]:
     return [run_one(options, outputs, reuse) for options in runs]

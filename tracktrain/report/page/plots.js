@@ -1,7 +1,6 @@
 // Curves and spectra of the picked signals, one row of axes for each unit.
 
 const PALETTE = ["c1", "c2", "c3", "c4", "c5", "c6", "c7", "c8"];
-const FIRST = ["wheelset_11.force_y", "wheelset_11.y_rel", "carbody.front.ay"];
 const BUTTONS = [["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "resetScale2d"], ["toImage"]];
 const MOST_PICKED = 12;
 const DEPTH = 1e-9; // of a spectrum below its peak, beyond which there is only rounding
@@ -10,7 +9,7 @@ class Plots {
   constructor(arrays) {
     this.arrays = arrays;
     const names = known.signals.map(({ name }) => name);
-    this.picked = FIRST.map((name) => names.indexOf(name)).filter((number) => number >= 0);
+    this.picked = known.first.map((name) => names.indexOf(name)).filter((number) => number >= 0);
     if (!this.picked.length) this.picked = [0];
     this.choices();
     document.getElementById("filter").addEventListener("input", (event) => this.filter(event.target.value));

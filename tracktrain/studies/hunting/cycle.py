@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
-from ...car.hopper import BLOCK_OF
+from fmus.truck.ports import ELEMENTS
 
-if TYPE_CHECKING:
-    import xarray as xr
+from ...car.hopper import layout_of
+from ...car.layout import (
+    Axle,
+    Layout,
+    Truck,
+)
 
 Array = np.ndarray
 Values = Mapping[str, Mapping[str, float]]
@@ -20,22 +24,20 @@ Values = Mapping[str, Mapping[str, float]]
 CYCLES = 8
 """Number of cycles that a limit cycle's numbers are averages of."""
 
-AXLE = "truck_front.axle[1].y"
-"""The lateral motion that hunting is told by."""
-
 SLIPPING = 1e-9
 """Relative distance from its limit within which a friction force slips."""
 
-TRUCKS = ("truck_front", "truck_rear")
-WHEELSETS = tuple(name for name, block in BLOCK_OF.items() if block == "wheelrail")
 
-RECORD = (
-    "carbody.*",
-    *(f"{truck}.{part}" for truck in TRUCKS for part in ("axle*", "q*", "friction*", "car*")),
-    *(f"{wheelset}.{part}" for wheelset in WHEELSETS for part in ("force_y", "moment_z", "y_rel")),
-    "track.speed_out",
-)
-"""Outputs that the numbers need."""
+def observed(layout: Layout) -> str:
+    """The lateral motion that hunting is told by."""
+    return f"{layout.leading.port}.y"
+
+
+def needed(layout: Layout) -> list[str]:
+    """Outputs that the numbers need."""
+    outputs = {"truck": ("axle*", "q*", "friction*", "car*"), "carbody": ("*",)}
+    outputs |= {"wheelrail": ("force_y", "moment_z", "y_rel"), "track": ("speed_out",)}
+    return [f"{name}.{part}" for name, block in layout.blocks.items() for part in outputs[block]]
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,7 @@ class Cycle:
     """Averages over whole cycles at the end of a run.
 
     amplitude [m] of the leading axle, half the distance between its extremes; frequency [Hz].
-    used: friction force over its limit, largest, by (truck, element); slipping: share of the time
+    used: friction force over its limit, largest, by (end, element); slipping: share of the time
     by the same. friction: energy [J] a cycle by element, of both trucks. contact: share of the time
     that a flange touches, by wheelset. Further energies [J] a cycle: from the rails, into the
     carbody's damping and the damping of the centre plates' contact.
@@ -66,10 +68,9 @@ class Cycle:
 
 
 def limit_cycle(dataset: xr.Dataset, values: Values) -> Cycle | None:
-    """The cycle at the end of a run with the outputs of `RECORD`; None where there is none."""
-    from fmus.truck.ports import ELEMENTS
-
-    whole = _whole_cycles(dataset)
+    """The cycle at the end of a run with the outputs of `needed`; None where there is none."""
+    layout = layout_of(dataset)
+    whole = _whole_cycles(dataset, observed(layout))
     if whole is None:
         return None
     last, count = whole
@@ -80,34 +81,37 @@ def limit_cycle(dataset: xr.Dataset, values: Values) -> Cycle | None:
 
     used, slipping = {}, {}
     friction = dict.fromkeys(ELEMENTS, 0.0)
-    for truck in TRUCKS:
+    for truck in layout.trucks:
         for number, element in enumerate(ELEMENTS, start=1):
-            force = last[f"{truck}.friction[{number}]"].values
+            force = last[f"{truck.instance}.friction[{number}]"].values
             limit = values["truck"][f"{element}.friction_limit"]
-            used[truck, element] = float(np.abs(force).max()) / limit
-            slipping[truck, element] = float(np.mean(np.abs(force) > limit * (1 - SLIPPING)))
-            strain = _strain(last, truck, number)
+            used[truck.end, element] = float(np.abs(force).max()) / limit
+            slipping[truck.end, element] = float(np.mean(np.abs(force) > limit * (1 - SLIPPING)))
+            strain = _strain(last, truck, layout.plate(truck), number)
             friction[element] += float(np.sum((force[1:] + force[:-1]) / 2 * np.diff(strain)))
     has_flange = values["wheelrail"]["flange_stiffness"] > 0.0
     clearance = values["wheelrail"]["flange_clearance"] if has_flange else np.inf
-    y = last[AXLE].values
+    y = last[observed(layout)].values
+    gaps = {axle.wheelset: np.abs(last[f"{axle.wheelset}.y_rel"]) for axle in layout.axles}
     return Cycle(
         amplitude=float(np.ptp(y) / 2),
         frequency=count / float(time[-1] - time[0]),
         used=used,
         slipping=slipping,
         friction={name: energy / count for name, energy in friction.items()},
-        contact={w: float((np.abs(last[f"{w}.y_rel"]) > clearance).mean()) for w in WHEELSETS},
-        rails=sum(work(power) for power in _rail_power(last)),
-        carbody=work(_modal_power(last, values["carbody"])),
-        centre_plates=sum(work(_contact_power(last, truck)) for truck in TRUCKS),
+        contact={name: float((gap > clearance).mean()) for name, gap in gaps.items()},
+        rails=sum(work(_rail_power(last, axle)) for axle in layout.axles),
+        carbody=work(_modal_power(last, layout.carbody, values["carbody"])),
+        centre_plates=sum(
+            work(_contact_power(last, truck, layout.plate(truck))) for truck in layout.trucks
+        ),
     )
 
 
-def _whole_cycles(dataset: xr.Dataset) -> tuple[xr.Dataset, int] | None:
+def _whole_cycles(dataset: xr.Dataset, motion: str) -> tuple[xr.Dataset, int] | None:
     """The last whole cycles, between upward crossings of the mean, and their number."""
     time = dataset["time"].values
-    y = dataset[AXLE].sel(time=slice(time[-1] - 4 * CYCLES, None))
+    y = dataset[motion].sel(time=slice(time[-1] - 4 * CYCLES, None))
     moving = y.values - y.values.mean()
     up = np.flatnonzero((moving[:-1] < 0.0) & (moving[1:] >= 0.0))[-CYCLES - 1 :]
     if len(up) < 2:
@@ -116,12 +120,12 @@ def _whole_cycles(dataset: xr.Dataset) -> tuple[xr.Dataset, int] | None:
     return dataset.isel(time=slice(first + up[0], first + up[-1] + 1)), len(up) - 1
 
 
-def _strain(data: xr.Dataset, truck: str, element: int) -> Array:
+def _strain(data: xr.Dataset, truck: Truck, plate: str, element: int) -> Array:
     """Deflection of an element [m or rad], equation (4) of the truck."""
-    q = {n: data[f"{truck}.q[{n}]"].values for n in range(2, 7)}
-    plate = f"carbody.{truck.removeprefix('truck_')}"
+    q = {n: data[f"{truck.instance}.q[{n}]"].values for n in range(2, 7)}
     if element == 1:
-        middle = (data[f"{truck}.axle[1].y"] + data[f"{truck}.axle[2].y"]).values / 2
+        leading, trailing = (data[f"{axle.port}.y"] for axle in truck.axles)
+        middle = (leading + trailing).values / 2
         strain = middle + q[5] - data[f"{plate}.y"].values
     elif element == 2:
         strain = q[2] - data[f"{plate}.yaw"].values
@@ -130,31 +134,27 @@ def _strain(data: xr.Dataset, truck: str, element: int) -> Array:
     return np.asarray(strain)
 
 
-def _rail_power(data: xr.Dataset) -> list[Array]:
-    """What the rails' forces give to each wheelset [W]."""
-    powers = []
-    for wheelset in WHEELSETS:
-        axle = f"{TRUCKS[int(wheelset[-2]) - 1]}.axle[{wheelset[-1]}]"
-        force, moment = data[f"{wheelset}.force_y"], data[f"{wheelset}.moment_z"]
-        powers.append((force * data[f"{axle}.vy"] + moment * data[f"{axle}.wz"]).values)
-    return powers
+def _rail_power(data: xr.Dataset, axle: Axle) -> Array:
+    """What the rails' forces give to a wheelset [W]."""
+    force, moment = data[f"{axle.wheelset}.force_y"], data[f"{axle.wheelset}.moment_z"]
+    power = force * data[f"{axle.port}.vy"] + moment * data[f"{axle.port}.wz"]
+    return np.asarray(power.values)
 
 
-def _modal_power(data: xr.Dataset, carbody: Mapping[str, float]) -> Array:
+def _modal_power(data: xr.Dataset, instance: str, carbody: Mapping[str, float]) -> Array:
     """What the modes' damping takes [W]: 2 zeta omega q'^2 each, of unit modal mass."""
     total = np.zeros(data.sizes["time"])
     for number, name in enumerate(("torsion", "lateral_bending", "vertical_bending"), start=6):
-        rate = data[f"carbody.qd[{number}]"].values
+        rate = data[f"{instance}.qd[{number}]"].values
         omega = 2 * np.pi * carbody[f"{name}_frequency"]
         total += 2 * carbody["modal_damping"] * omega * rate**2
     return total
 
 
-def _contact_power(data: xr.Dataset, truck: str) -> Array:
+def _contact_power(data: xr.Dataset, truck: Truck, plate: str) -> Array:
     """What the springs and dampers between bolster and carbody take [W]; springs give it back."""
-    plate = f"carbody.{truck.removeprefix('truck_')}"
-    roll = data[f"{truck}.qd[3]"] - data[f"{plate}.wx"]
-    bounce = data[f"{truck}.qd[6]"] - data[f"{plate}.vz"]
-    return np.asarray(
-        (data[f"{truck}.car.moment_x"] * roll + data[f"{truck}.car.force_z"] * bounce).values
-    )
+    name = truck.instance
+    roll = data[f"{name}.qd[3]"] - data[f"{plate}.wx"]
+    bounce = data[f"{name}.qd[6]"] - data[f"{plate}.vz"]
+    power = data[f"{name}.car.moment_x"] * roll + data[f"{name}.car.force_z"] * bounce
+    return np.asarray(power.values)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ...car.hopper import layout_of
+from ...car.layout import Layout
 from ...plots import (
     BLUE,
     GREEN,
@@ -26,48 +29,50 @@ from ...scales import (
     MILE_PER_HOUR,
     Scale,
 )
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
-
-    from .runs import Plateau
-    from .study import Transient
+from .runs import (
+    Plateau,
+    Transient,
+)
 
 MODAL = Scale("kg½ m", 1.0)
 
-COORDINATES = (
-    ("7-1  car, lateral", "carbody.cg.y", DISPLACEMENT),
-    ("7-2  car, yaw", "carbody.cg.yaw", ANGLE),
-    ("7-3  car, roll", "carbody.cg.roll", ANGLE),
-    ("7-5  car, torsion", "carbody.q[6]", MODAL),
-    ("7-4  front truck, lateral", "truck_front.q[1]", DISPLACEMENT),
-    ("7-9  rear truck, lateral", "truck_rear.q[1]", DISPLACEMENT),
-    ("7-6  front truck, yaw", "truck_front.q[2]", ANGLE),
-    ("7-10  rear truck, yaw", "truck_rear.q[2]", ANGLE),
-    ("7-7  front truck, warp", "truck_front.q[4]", ANGLE),
-    ("7-11  rear truck, warp", "truck_rear.q[4]", ANGLE),
-    ("7-8  front truck, bolster lateral", "truck_front.q[5]", DISPLACEMENT),
-    ("7-12  rear truck, bolster lateral", "truck_rear.q[5]", DISPLACEMENT),
-    ("front truck, bolster roll", "truck_front.q[3]", ANGLE),
-    ("rear truck, bolster roll", "truck_rear.q[3]", ANGLE),
-    ("front truck, bolster vertical", "truck_front.q[6]", DISPLACEMENT),
-    ("rear truck, bolster vertical", "truck_rear.q[6]", DISPLACEMENT),
-    ("car, vertical", "carbody.cg.z", DISPLACEMENT),
-    ("car, pitch", "carbody.cg.pitch", ANGLE),
-    ("car, lateral bending", "carbody.q[7]", MODAL),
-    ("car, vertical bending", "carbody.q[8]", MODAL),
-)
-"""All coordinates of carbody and trucks: with the report's figure where it has one."""
+
+def _coordinates(layout: Layout) -> tuple[tuple[str, str, Scale], ...]:
+    """All coordinates of carbody and trucks: with the report's figure where it has one."""
+    car, front, rear = layout.bodies
+    return (
+        ("7-1  car, lateral", f"{car}.cg.y", DISPLACEMENT),
+        ("7-2  car, yaw", f"{car}.cg.yaw", ANGLE),
+        ("7-3  car, roll", f"{car}.cg.roll", ANGLE),
+        ("7-5  car, torsion", f"{car}.q[6]", MODAL),
+        ("7-4  front truck, lateral", f"{front}.q[1]", DISPLACEMENT),
+        ("7-9  rear truck, lateral", f"{rear}.q[1]", DISPLACEMENT),
+        ("7-6  front truck, yaw", f"{front}.q[2]", ANGLE),
+        ("7-10  rear truck, yaw", f"{rear}.q[2]", ANGLE),
+        ("7-7  front truck, warp", f"{front}.q[4]", ANGLE),
+        ("7-11  rear truck, warp", f"{rear}.q[4]", ANGLE),
+        ("7-8  front truck, bolster lateral", f"{front}.q[5]", DISPLACEMENT),
+        ("7-12  rear truck, bolster lateral", f"{rear}.q[5]", DISPLACEMENT),
+        ("front truck, bolster roll", f"{front}.q[3]", ANGLE),
+        ("rear truck, bolster roll", f"{rear}.q[3]", ANGLE),
+        ("front truck, bolster vertical", f"{front}.q[6]", DISPLACEMENT),
+        ("rear truck, bolster vertical", f"{rear}.q[6]", DISPLACEMENT),
+        ("car, vertical", f"{car}.cg.z", DISPLACEMENT),
+        ("car, pitch", f"{car}.cg.pitch", ANGLE),
+        ("car, lateral bending", f"{car}.q[7]", MODAL),
+        ("car, vertical bending", f"{car}.q[8]", MODAL),
+    )
 
 
 @mpl.rc_context(STYLE)
 def coordinates_figure(run: xr.Dataset) -> Figure:
     """All coordinates of carbody and trucks against time."""
     figure = Figure(figsize=(11.0, 16.0), layout="constrained")
-    grid = figure.subplots(len(COORDINATES) // 2, 2, sharex=True)
+    layout = layout_of(run)
+    coordinates = _coordinates(layout)
+    grid = figure.subplots(len(coordinates) // 2, 2, sharex=True)
     time = run["time"].values
-    for axes, (label, name, scale) in zip(grid.ravel(), COORDINATES, strict=True):
+    for axes, (label, name, scale) in zip(grid.ravel(), coordinates, strict=True):
         colour = {"car,": BLUE, "front": GREEN, "rear": PURPLE}
         values = run[name].values * scale.factor
         which = next(c for word, c in colour.items() if word in label)
@@ -79,7 +84,7 @@ def coordinates_figure(run: xr.Dataset) -> Figure:
         axes.margins(x=0.0)
     for axes in grid[-1]:
         axes.set_xlabel("time [s]")
-    speed = float(run["track.speed_out"][0])
+    speed = float(run[layout.speed][0])
     figure.suptitle(
         f"Hunting at {speed / FOOT:.0f} ft/s ({speed / MILE_PER_HOUR:.1f} mph): all coordinates, "
         "report Figures 7-1 to 7-12",
@@ -147,7 +152,7 @@ def elements_figure(transients: Sequence[Transient]) -> Figure:
         names = list(t.cycle.friction)
         place = np.arange(len(names)) + (n - (len(cycles) - 1) / 2) * height
         label = f"{t.speed / FOOT:.0f} ft/s"
-        shares = [t.cycle.used["truck_front", name] for name in names]
+        shares = [t.cycle.used["front", name] for name in names]
         used.barh(place, shares, height, color=colour, label=label)
         energy.barh(place, [t.cycle.friction[name] for name in names], height, color=colour)
         for axes in (used, energy):

@@ -5,24 +5,39 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
+
+from orchestrator import (
+    Component,
+    Connection,
+    InlineModel,
+    Session,
+    System,
+    dominant_frequency,
+    simulate,
+)
 
 from ...car.changes import displaced
-from ...car.hopper import hopper_car
-from ...errors import TracktrainError
+from ...car.hopper import (
+    hopper_car,
+    layout_of,
+    parameters_of,
+)
+from ...car.linear import LinearCar
 from ...scales import FOOT
-from .cycle import AXLE
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from orchestrator import (
-        InlineModel,
-        Session,
-        System,
-    )
+from ..common.rig import completed
+from ..common.ringdown import (
+    Oscillation,
+    oscillation,
+)
+from .cycle import (
+    Cycle,
+    limit_cycle,
+    needed,
+    observed,
+)
 
 WINDOW = 5.0
 """Time over which an amplitude is taken, half the distance between the extremes [s]."""
@@ -40,12 +55,25 @@ leave an unstable equilibrium at the next speed."""
 RAMP = 5 * FOOT
 """Change of the speed between two plateaus [m/s per s]."""
 
-EVERY = 5
-"""Macro steps between two rows that are kept."""
+EVERY, TRANSIENT_EVERY = 5, 2
+"""Macro steps between two rows that are kept, of the driven car and of a transient."""
 
+LINEAR = 4e-3
+"""Motion of the leading axle up to which friction sticks and no flange touches [m]."""
 
 ARRIVED = "all speeds were held"
 """With which the driver ends the run."""
+
+
+@dataclass(frozen=True)
+class Transient:
+    """A run from the initial yaw at one speed [m/s], its small motion and its limit cycle."""
+
+    speed: float
+    dataset: xr.Dataset
+    growth: Oscillation
+    exact: float
+    cycle: Cycle | None
 
 
 @dataclass(frozen=True)
@@ -84,7 +112,29 @@ def has_settled(before: float, now: float) -> bool:
 def on_perfect_track(car: str, speed: float, initial_yaw: float) -> System:
     """The car at a speed [m/s], its front truck yawed by an angle [rad]."""
     system = hopper_car(car, speed, "perfect")
-    return displaced(system, "truck_front", "yaw", f"{float(initial_yaw)!r} rad")
+    front = layout_of(system).front.instance
+    return displaced(system, front, "yaw", f"{float(initial_yaw)!r} rad")
+
+
+def transient(
+    car: str, speed: float, duration: float, initial_yaw: float, session: Session
+) -> Transient:
+    """Run the car for a time [s] at a speed [m/s] from a yaw [rad] of its front truck."""
+    system = on_perfect_track(car, speed, initial_yaw)
+    layout = layout_of(system)
+    run = simulate(
+        system, duration=duration, record=needed(layout), every=TRANSIENT_EVERY, session=session
+    )
+    y = completed(run, f"the run at {speed:g} m/s").dataset[observed(layout)].values
+    large = np.flatnonzero(np.abs(y) > LINEAR)
+    end = int(large[0]) if large.size else len(y)
+    late = slice(end - end // 2, end)
+    growth = oscillation(run.time[late], y[late] / float(np.abs(y[late]).max()))
+    half = round(duration / 4 / (run.time[1] - run.time[0]))
+    kept = [np.ptp(part) / 2 for part in (y[-2 * half : -half], y[-half:])]
+    steady = min(kept) > LARGE / 10 and abs(kept[1] / kept[0] - 1) < 0.02
+    cycle = limit_cycle(run.dataset, parameters_of(car)) if steady else None
+    return Transient(speed, run.dataset, growth, LinearCar(car).growth(speed), cycle)
 
 
 def driven(
@@ -94,26 +144,21 @@ def driven(
 
     The state is carried from plateau to plateau.
     """
-    from orchestrator import (
-        Component,
-        Connection,
-        simulate,
-    )
-
-    track = system.components["track"]
+    layout = layout_of(system)
+    axle, track = observed(layout), system.components[layout.track]
     free = {name: value for name, value in track.parameters.items() if name != "speed"}
     driver = Component(_driver(speeds, longest))
     car = replace(
         system,
         components={
             **system.components,
-            "track": replace(track, parameters=free),
+            layout.track: replace(track, parameters=free),
             "driver": driver,
         },
         connections=(
             *system.connections,
-            Connection("driver.speed", "track.speed"),
-            Connection(AXLE, "driver.y"),
+            Connection("driver.speed", f"{layout.track}.speed"),
+            Connection(axle, "driver.y"),
         ),
     )
     way = float(np.abs(np.diff(speeds)).sum()) / RAMP
@@ -122,24 +167,22 @@ def driven(
         run = simulate(
             car,
             duration=duration,
-            record=[AXLE, "driver.plateau"],
+            record=[axle, "driver.plateau"],
             every=EVERY,
             out=folder,
             session=session,
         )
-        if not run.completed and ARRIVED not in (run.message or ""):
-            raise TracktrainError(f"the run through {len(speeds)} speeds stopped: {run.message}")
+        if ARRIVED not in (run.message or ""):
+            completed(run, f"the run through {len(speeds)} speeds")
         with run.dataset as dataset:
-            return list(_plateaus(dataset, speeds))
+            return list(_plateaus(dataset, axle, speeds))
 
 
-def _plateaus(dataset: xr.Dataset, speeds: Sequence[float]) -> Iterator[Plateau]:
-    from orchestrator.results.metrics import dominant_frequency
-
+def _plateaus(dataset: xr.Dataset, axle: str, speeds: Sequence[float]) -> Iterator[Plateau]:
     place = dataset["driver.plateau"].values
     time = dataset["time"].values
     for number, speed in enumerate(speeds):
-        held = dataset[AXLE][place == number]
+        held = dataset[axle][place == number]
         size = round(WINDOW / (time[1] - time[0]))
         windows = held.values[: len(held) // size * size].reshape(-1, size)
         yield Plateau(speed, np.ptp(windows, axis=1) / 2, dominant_frequency(held[-2 * size :]))
@@ -181,8 +224,6 @@ class _Drive:
 
 
 def _driver(speeds: Sequence[float], longest: float) -> InlineModel:
-    from orchestrator import InlineModel
-
     def step(
         x: _Drive, u: Mapping[str, float], rate: object, p: object, time: float, step: float
     ) -> _Drive:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import click
 import numpy as np
+import xarray as xr
 
+from orchestrator import Session
+
+from ...car.linear import LinearCar
+from ...car.modes import critical_speeds
 from ...options.car import (
     REPORT_SPEEDS,
     SPEED_UNITS,
@@ -19,29 +22,20 @@ from ...options.car import (
 from ...options.types import Quantity
 from ...scales import FOOT
 from ...terminal import Progress
-from ..command import study_command
-from ..outcome import Outcome
-from ..ringdown import (
-    Oscillation,
-    oscillation,
-)
-from .cycle import (
-    AXLE,
-    RECORD,
-    Cycle,
-    limit_cycle,
-)
+from ..common.command import study_command
+from ..common.outcome import Outcome
 from .pictures import (
     coordinates_figure,
     elements_figure,
     staircase_figure,
 )
 from .runs import (
-    LARGE,
     Plateau,
+    Transient,
     bisected,
     driven,
     on_perfect_track,
+    transient,
 )
 from .tables import (
     critical_table,
@@ -51,19 +45,11 @@ from .tables import (
     staircase_table,
 )
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from orchestrator import Session
-
 SPEEDS = (60 * FOOT, 80 * FOOT, 100 * FOOT)
 """The report's three speeds [m/s]."""
 
 INITIAL_YAW = np.deg2rad(0.005)
 """Of the front truck, from which the report starts [rad]."""
-
-LINEAR = 4e-3
-"""Motion of the leading axle up to which friction sticks and no flange touches [m]."""
 
 BETWEEN = (40 * FOOT, 120 * FOOT)
 """Speeds of the staircase [m/s]."""
@@ -76,20 +62,6 @@ LONGEST = 150.0
 
 RESOLUTION = 0.1 * FOOT
 """Width of the bracket around the critical speed [m/s]."""
-
-EVERY = 2
-"""Macro steps between two rows of a transient that are kept."""
-
-
-@dataclass(frozen=True)
-class Transient:
-    """A run from the initial yaw at one speed [m/s], its small motion and its limit cycle."""
-
-    speed: float
-    dataset: xr.Dataset
-    growth: Oscillation
-    exact: float
-    cycle: Cycle | None
 
 
 def hunting(
@@ -109,9 +81,6 @@ def hunting(
     [s]; the state is carried along. The nonlinear critical speed is the lowest that keeps the limit
     cycle of the staircase's upper end. transients_only: leave both out.
     """
-    from orchestrator import Session
-
-    values = _values(car)
     climbed = None if transients_only else staircase
     share = 0.3 if climbed else 1.0
     transients: list[Transient] = []
@@ -119,7 +88,7 @@ def hunting(
     tried: list[Plateau] = []
     with Session() as session:
         for number, speed in enumerate(speeds, start=1):
-            transients.append(_transient(car, speed, duration, initial_yaw, values, session))
+            transients.append(transient(car, speed, duration, initial_yaw, session))
             if progress:
                 progress(share * number / len(speeds))
         if climbed:
@@ -202,54 +171,12 @@ Examples:
 )(hunting)
 
 
-def _values(car: str) -> Mapping[str, Mapping[str, float]]:
-    from fmus import BLOCKS
-    from fmus.describe.parameters import parameter_set
-
-    given = parameter_set(car)
-    return {name: given.values(BLOCKS[name]()) for name in ("carbody", "truck", "wheelrail")}
-
-
-def _transient(
-    car: str,
-    speed: float,
-    duration: float,
-    initial_yaw: float,
-    values: Mapping[str, Mapping[str, float]],
-    session: Session,
-) -> Transient:
-    from orchestrator import simulate
-
-    from ...car.linear import LinearCar
-    from ...errors import TracktrainError
-
-    system = on_perfect_track(car, speed, initial_yaw)
-    run = simulate(system, duration=duration, record=RECORD, every=EVERY, session=session)
-    if not run.completed:
-        raise TracktrainError(f"the run at {speed:g} m/s stopped: {run.message}")
-    y = run.dataset[AXLE].values
-    large = np.flatnonzero(np.abs(y) > LINEAR)
-    end = int(large[0]) if large.size else len(y)
-    late = slice(end - end // 2, end)
-    growth = oscillation(run.time[late], y[late] / float(np.abs(y[late]).max()))
-    half = round(duration / 4 / (run.time[1] - run.time[0]))
-    kept = [np.ptp(part) / 2 for part in (y[-2 * half : -half], y[-half:])]
-    steady = min(kept) > LARGE / 10 and abs(kept[1] / kept[0] - 1) < 0.02
-    cycle = limit_cycle(run.dataset, values) if steady else None
-    return Transient(speed, run.dataset, growth, LinearCar(car).growth(speed), cycle)
-
-
 def _linear_critical_speeds(car: str, between: tuple[float, float]) -> list[float]:
-    from ...car.linear import LinearCar
-    from ..stability import critical_speeds
-
-    return [c[0] for c in critical_speeds(LinearCar(car), np.arange(*between, 4 * FOOT))]
+    return [found.speed for found in critical_speeds(LinearCar(car), np.arange(*between, 4 * FOOT))]
 
 
 def _dataset(transients: Sequence[Transient], plateaus: Sequence[Plateau]) -> xr.Dataset:
     """All histories over speed and time, and the staircase in its order."""
-    import xarray as xr
-
     speed = xr.DataArray([t.speed for t in transients], dims="speed", attrs={"units": "m/s"})
     data = xr.concat([t.dataset for t in transients], dim=speed.rename("speed"))
     data.attrs.clear()

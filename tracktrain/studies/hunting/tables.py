@@ -3,37 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from ...scales import (
     FOOT,
     MILE_PER_HOUR,
 )
-from .cycle import WHEELSETS
 from .runs import (
     LARGE,
     WINDOW,
     Plateau,
+    Transient,
 )
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from .study import Transient
 
 WATCHED = (25.0, 50.0, 100.0, 150.0)
 """Watching times whose influence on the critical speed is told [s]."""
 
 
 def cycles_table(transients: Sequence[Transient]) -> pd.DataFrame:
-    import pandas as pd
-
     def row(t: Transient) -> dict[str, float]:
         cycle = t.cycle
         nothing = float("nan")
-        shares = [cycle.contact[w] for w in WHEELSETS] if cycle else [nothing]
+        shares = list(cycle.contact.values()) if cycle else [nothing]
         return {
             "speed [ft/s]": t.speed / FOOT,
             "growth [1/s]": t.growth.growth,
@@ -50,15 +43,13 @@ def cycles_table(transients: Sequence[Transient]) -> pd.DataFrame:
 
 def elements_table(transients: Sequence[Transient]) -> pd.DataFrame:
     """How near the front truck's friction is to slipping, and what the elements dissipate."""
-    import pandas as pd
-
     rows = [
         {
             "speed [ft/s]": t.speed / FOOT,
             "element": element.replace("_", " "),
-            "friction/limit": t.cycle.used["truck_front", element],
-            "slips, front [%]": 100 * t.cycle.slipping["truck_front", element],
-            "rear [%]": 100 * t.cycle.slipping["truck_rear", element],
+            "friction/limit": t.cycle.used["front", element],
+            "slips, front [%]": 100 * t.cycle.slipping["front", element],
+            "rear [%]": 100 * t.cycle.slipping["rear", element],
             "energy [J]": energy,
         }
         for t in transients
@@ -70,8 +61,6 @@ def elements_table(transients: Sequence[Transient]) -> pd.DataFrame:
 
 
 def energy_table(transients: Sequence[Transient]) -> pd.DataFrame:
-    import pandas as pd
-
     rows = [
         {
             "speed [ft/s]": t.speed / FOOT,
@@ -89,8 +78,6 @@ def energy_table(transients: Sequence[Transient]) -> pd.DataFrame:
 
 def staircase_table(plateaus: Sequence[Plateau]) -> pd.DataFrame:
     """The stairs in their order; the amplitude is that of the last window."""
-    import pandas as pd
-
     top = int(np.argmax([p.speed for p in plateaus]))
     rows = [
         {
@@ -114,7 +101,6 @@ def critical_table(
     A watched motion of more than `LARGE` counts as hunting, whether it falls or not; in the row
     `settled` only one that stays what it is.
     """
-    import pandas as pd
 
     def row(name: str, hunting: Sequence[float], others: Sequence[float]) -> dict[str, object]:
         lowest = min(hunting, default=float("nan"))

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ...car.layout import Shown
 from ...plots import (
     BLUE,
     GREEN,
@@ -24,12 +26,6 @@ from ...scales import (
     FOOT,
     MILE_PER_HOUR,
 )
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
-
-    from .study import Response
 
 COLOURS = (BLUE, GREEN, RED, PURPLE)
 LOWEST = 0.25
@@ -54,7 +50,7 @@ def history_figures(
 
 @mpl.rc_context(STYLE)
 def spectra_figure(
-    data: xr.Dataset, responses: Mapping[str, Response], shares: Sequence[float]
+    data: xr.Dataset, responses: Mapping[str, Shown], shares: Sequence[float]
 ) -> Figure:
     """Densities of the responses by speed: the median, and the band between the outer shares."""
     shown = _moving(data, responses)
@@ -77,7 +73,7 @@ def spectra_figure(
 
 
 @mpl.rc_context(STYLE)
-def transfer_figure(data: xr.Dataset, responses: Mapping[str, Response]) -> Figure:
+def transfer_figure(data: xr.Dataset, responses: Mapping[str, Shown]) -> Figure:
     """Magnitude of the transfer functions and coherence with the alignment, by speed."""
     shown = _moving(data, responses)
     figure = Figure(figsize=(11.0, 0.8 + 2.1 * len(shown)), layout="constrained")
@@ -103,7 +99,7 @@ def transfer_figure(data: xr.Dataset, responses: Mapping[str, Response]) -> Figu
 
 @mpl.rc_context(STYLE)
 def envelope_figure(
-    data: xr.Dataset, responses: Mapping[str, Response], shares: Sequence[float]
+    data: xr.Dataset, responses: Mapping[str, Shown], shares: Sequence[float]
 ) -> Figure:
     """Rms and peak against speed: each realisation, the median, and the outer shares."""
     shown = _moving(data, responses)
@@ -136,7 +132,7 @@ def envelope_figure(
     return figure
 
 
-def _moving(data: xr.Dataset, responses: Mapping[str, Response]) -> list[str]:
+def _moving(data: xr.Dataset, responses: Mapping[str, Shown]) -> list[str]:
     """Responses that are more than rounding; the first of all where nothing moves."""
     found = [name for name in responses if float(data[f"{name}_rms"].max()) ** 2 > SILENT]
     return found or list(responses)[:1]

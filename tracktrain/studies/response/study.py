@@ -4,12 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import click
 import numpy as np
+import pandas as pd
+import xarray as xr
+from scipy import signal
 
-from ...car.hopper import hopper_car
+from orchestrator import (
+    Run,
+    Session,
+    System,
+    dominant_frequency,
+    peak,
+    rms,
+    simulate,
+)
+
+from ...car.changes import assigned
+from ...car.hopper import (
+    hopper_car,
+    layout_of,
+    vehicle,
+)
+from ...car.layout import (
+    Layout,
+    Shown,
+)
 from ...options.car import (
     REPORT_SPEEDS,
     car_option,
@@ -20,33 +41,21 @@ from ...options.car import (
 )
 from ...options.chosen import Assigned
 from ...scales import (
-    ACCELERATION,
     ANGLE,
-    DISPLACEMENT,
     FOOT,
-    FORCE,
     MILE_PER_HOUR,
     Scale,
 )
 from ...terminal import Progress
-from ..command import study_command
-from ..outcome import Outcome
+from ..common.command import study_command
+from ..common.outcome import Outcome
+from ..common.rig import completed
 from .pictures import (
     envelope_figure,
     history_figures,
     spectra_figure,
     transfer_figure,
 )
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-
-    from orchestrator import (
-        Run,
-        Session,
-        System,
-    )
 
 SPEEDS = (60 * FOOT, 80 * FOOT, 100 * FOOT)
 """The report's three speeds [m/s]."""
@@ -69,28 +78,15 @@ KINDS = ("rms", "peak")
 Array = np.ndarray
 
 
-@dataclass(frozen=True)
-class Response:
-    """What is looked at: a variable of the run, what it is called and its units."""
-
-    variable: str
-    label: str
-    scale: Scale
-    unit: str
+ALIGNMENT = ("y_left", "y_right")
+"""Rails whose mean is the alignment."""
 
 
-RESPONSES: Mapping[str, Response] = {
-    "force": Response("wheelset_11.force_y", "lateral force", FORCE, "N"),
-    "displacement": Response("wheelset_11.y_rel", "displacement to rail", DISPLACEMENT, "m"),
-    "lateral_acceleration": Response("carbody.cg.ay", "lateral acceleration", ACCELERATION, "m/s2"),
-    "vertical_acceleration": Response(
-        "carbody.cg.az", "vertical acceleration", ACCELERATION, "m/s2"
-    ),
-    "truck_yaw": Response("truck_front.q[2]", "truck yaw", ANGLE, "rad"),
-}
-"""Of the leading axle, of the carbody at its centre of gravity, of the front truck."""
-
-RAILS = ("track.axle[1].rail_y_left", "track.axle[1].rail_y_right")
+def responses(layout: Layout) -> dict[str, Shown]:
+    """What is looked at: the leading axle, the carbody's centre of gravity, the front truck."""
+    names = ("force", "displacement", "lateral_acceleration", "vertical_acceleration")
+    shown = {name: layout.quantities[name] for name in names}
+    return {**shown, "truck_yaw": Shown(f"{layout.front.instance}.q[2]", "truck yaw", ANGLE)}
 
 
 def response(
@@ -109,8 +105,6 @@ def response(
     Envelopes are over the realisations 1 to `seeds`. speeds [m/s], duration [s] of each run;
     settings: changed parameters, as ("track", "report_rms", "0.05 in").
     """
-    from orchestrator import Session
-
     speeds = sorted(set(speeds))
     drawn: list[xr.Dataset] = []
     found: list[list[Spectra]] = []
@@ -125,17 +119,18 @@ def response(
                     drawn.append(run.dataset)
                 if progress:
                     progress((number * seeds + seed) / (len(speeds) * seeds))
-    data = _dataset(speeds, drawn, found)
-    tables = {name: _table(data, name) for name in ("force", "displacement")}
+    shown = responses(vehicle(car).layout)
+    data = _dataset(speeds, drawn, found, shown)
+    tables = {name: _table(data, name, shown[name].scale) for name in ("force", "displacement")}
     return Outcome(
         title=f"Response to the track {track}, {car} car, {duration:g} s",
         dataset=data.assign_attrs(car=car, track=track, duration=duration),
-        tables={**tables, **{f"{kind}_envelope": _envelope(data, kind) for kind in KINDS}},
+        tables={**tables, **{f"{kind}_envelope": _envelope(data, kind, shown) for kind in KINDS}},
         pictures={
             **history_figures(drawn, speeds, SPEEDS),
-            "spectra": spectra_figure(data, RESPONSES, SHARES),
-            "transfer_functions": transfer_figure(data, RESPONSES),
-            "envelopes": envelope_figure(data, RESPONSES, SHARES),
+            "spectra": spectra_figure(data, shown, SHARES),
+            "transfer_functions": transfer_figure(data, shown),
+            "envelopes": envelope_figure(data, shown, SHARES),
         },
         notes=_notes(data, duration),
     )
@@ -179,50 +174,36 @@ class Spectra:
 
 
 def _car(system: System, settings: Sequence[Assigned]) -> System:
-    from ...car.changes import assigned
-
     for instance, name, value in settings:
         system = assigned(system, instance, name, value)
     return system
 
 
 def _run(system: System, duration: float, session: Session) -> Run:
-    from orchestrator import simulate
-
-    from ...errors import TracktrainError
-
-    wanted = [*(r.variable for r in RESPONSES.values()), *RAILS, "track.speed_out"]
+    layout = layout_of(system)
+    shown = (shown.variable for shown in responses(layout).values())
+    wanted = [*shown, *(layout.rails[name] for name in ALIGNMENT), layout.speed]
     run = simulate(system, duration=duration, record=wanted, session=session)
-    if not run.completed:
-        given = system.components["track"].parameters
-        raise TracktrainError(
-            f"the run at {given['speed']:g} m/s with seed {given['seed']} stopped: {run.message}"
-        )
-    return run
+    given = system.components[layout.track].parameters
+    return completed(run, f"the run at {given['speed']:g} m/s with seed {given['seed']}")
 
 
 def _spectra(run: Run) -> Spectra:
     """Welch's estimates with half overlapping Hann windows."""
-    from scipy import signal
-
-    from orchestrator.results.metrics import (
-        peak,
-        rms,
-    )
-
-    responses = [run.dataset[r.variable] for r in RESPONSES.values()]
-    alignment = sum(run.dataset[name].values for name in RAILS) / 2
+    layout = layout_of(run.dataset)
+    found = [run.dataset[shown.variable] for shown in responses(layout).values()]
+    alignment = sum(run.dataset[layout.rails[name]].values for name in ALIGNMENT) / 2
     rate = 1 / float(run.time[1] - run.time[0])
     size = min(round(SEGMENT * rate), len(run.time) // 2)
     how = {"fs": rate, "nperseg": size}
-    values = np.array([*(r.values for r in responses), alignment])
+    values = np.array([*(r.values for r in found), alignment])
     frequency, density = signal.welch(values, **how)
     _, cross = signal.csd(alignment, values[:-1], **how)
     kept = frequency <= HIGHEST
     return Spectra(
         frequency[kept],
-        np.array([rms(r) for r in responses]),
-        np.array([peak(r) for r in responses]),
+        np.array([rms(r) for r in found]),
+        np.array([peak(r) for r in found]),
         density[:, kept],
         cross[:, kept],
         segments=(len(run.time) - size // 2) // (size - size // 2),
@@ -230,11 +211,12 @@ def _spectra(run: Run) -> Spectra:
 
 
 def _dataset(
-    speeds: Sequence[float], drawn: Sequence[xr.Dataset], found: Sequence[Sequence[Spectra]]
+    speeds: Sequence[float],
+    drawn: Sequence[xr.Dataset],
+    found: Sequence[Sequence[Spectra]],
+    shown: Mapping[str, Shown],
 ) -> xr.Dataset:
     """Histories of the first realisation, numbers and densities of all, transfer functions."""
-    import xarray as xr
-
     first = found[0][0]
     by_seed = ("speed", "seed")
     by_frequency = (*by_seed, "frequency")
@@ -249,19 +231,20 @@ def _dataset(
     data: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {
         "alignment_density": (by_frequency, density[:, :, -1], {"units": "m2/Hz"})
     }
-    for n, (name, r) in enumerate(RESPONSES.items()):
+    for n, (name, r) in enumerate(shown.items()):
         history = np.array([d[r.variable].values for d in drawn])
+        unit = drawn[0][r.variable].attrs["units"]
         values = {
             kind: np.array([[getattr(s, kind)[n] for s in line] for line in found])
             for kind in KINDS
         }
         data |= {
-            name: (("speed", "time"), history, {"units": r.unit}),
-            f"{name}_rms": (by_seed, values["rms"], {"units": r.unit}),
-            f"{name}_peak": (by_seed, values["peak"], {"units": r.unit}),
-            f"{name}_density": (by_frequency, density[:, :, n], {"units": f"({r.unit})2/Hz"}),
+            name: (("speed", "time"), history, {"units": unit}),
+            f"{name}_rms": (by_seed, values["rms"], {"units": unit}),
+            f"{name}_peak": (by_seed, values["peak"], {"units": unit}),
+            f"{name}_density": (by_frequency, density[:, :, n], {"units": f"({unit})2/Hz"}),
             f"{name}_coherence": (averaged, coherence[:, n], {"units": "1"}),
-            f"{name}_gain": (averaged, gain[:, n], {"units": f"{r.unit}/m"}),
+            f"{name}_gain": (averaged, gain[:, n], {"units": f"{unit}/m"}),
         }
     coordinates = {
         "speed": ("speed", np.array(speeds), {"units": "m/s"}),
@@ -272,13 +255,8 @@ def _dataset(
     return xr.Dataset(data, coordinates, {"segments": first.segments * len(found[0])})
 
 
-def _table(data: xr.Dataset, name: str) -> pd.DataFrame:
+def _table(data: xr.Dataset, name: str, scale: Scale) -> pd.DataFrame:
     """Rms and peak of the first realisation, in both systems of units."""
-    import pandas as pd
-
-    from orchestrator.results.metrics import dominant_frequency
-
-    scale = RESPONSES[name].scale
     rows = []
     for speed in data.speed.values:
         one = data.sel(speed=speed)
@@ -291,12 +269,10 @@ def _table(data: xr.Dataset, name: str) -> pd.DataFrame:
     return pd.DataFrame(rows).set_index("speed [ft/s]")
 
 
-def _envelope(data: xr.Dataset, kind: str) -> pd.DataFrame:
+def _envelope(data: xr.Dataset, kind: str, shown: Mapping[str, Shown]) -> pd.DataFrame:
     """Rms or peak of all realisations: the shares of `SHARES`."""
-    import pandas as pd
-
     rows = []
-    for name, r in RESPONSES.items():
+    for name, r in shown.items():
         for speed in data.speed.values:
             values = data[f"{name}_{kind}"].sel(speed=speed).values * r.scale.factor
             row = {"response": f"{r.label} [{r.scale.unit}]", "speed [ft/s]": speed / FOOT}

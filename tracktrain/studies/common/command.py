@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import click
+from rich.console import Console
 
-from ..errors import TracktrainError
-from ..failures import clear_errors
-from ..terminal import printable, progress_bar, writable
+from ...errors import TracktrainError
+from ...failures import clear_errors
+from ...terminal import printable, progress_bar, writable
 from .outcome import Outcome
 
 
@@ -59,8 +60,6 @@ def study_command(
 
 
 def _print(outcome: Outcome, folder: Path) -> None:
-    from rich.console import Console
-
     console = Console()
     console.print(outcome.title, style="bold", markup=False, highlight=False)
     for name, table in outcome.tables.items():

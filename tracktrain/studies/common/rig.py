@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
+from pathlib import Path
 
-from ..errors import TracktrainError
+from orchestrator import (
+    Component,
+    Connection,
+    InlineModel,
+    Run,
+    System,
+    Value,
+    simulate,
+)
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from orchestrator import (
-        InlineModel,
-        Run,
-    )
-    from orchestrator.system.system import Value
+from ...car.changes import swapped
+from ...car.hopper import hopper_car, vehicle
+from ...errors import TracktrainError
 
 Signals = Mapping[str, float]
 
@@ -31,7 +34,6 @@ def rig(
     The law must be linear in the inputs. depends: for each output the inputs that it depends on;
     rates: for an output the one that it is the rate of.
     """
-    from orchestrator import InlineModel
 
     def along(time: float, u: Signals, p: Signals, seed: Signals) -> Signals:
         base, moved = law(time, u), law(time, {name: u[name] + seed[name] for name in u})
@@ -49,14 +51,9 @@ def rig(
     )
 
 
-def under_test(car: str, instance: str, fmu: Path | None) -> tuple[Path, Mapping[str, Value]]:
-    """The FMU of an instance of the car, or `fmu` in its place, and the values that it is given."""
-    from pathlib import Path
-
-    from ..car.changes import swapped
-    from ..car.hopper import hopper_car
-
-    system = hopper_car(car)
+def under_test(car: str, block: str, fmu: Path | None) -> tuple[Path, Mapping[str, Value]]:
+    """The FMU of a block of the car, or `fmu` in its place, and the values that it is given."""
+    system, instance = hopper_car(car), vehicle(car).layout.instances(block)[0]
     if fmu is not None:
         system, _ = swapped(system, instance, fmu)
     component = system.components[instance]
@@ -78,13 +75,6 @@ def run_on_rig(
     step: float = 1e-3,
 ) -> Run:
     """Run an FMU `unit` on a rig `rig`: ports of the same name are connected."""
-    from orchestrator import (
-        Component,
-        Connection,
-        System,
-        simulate,
-    )
-
     system = System(
         {"unit": Component(fmu, parameters), "rig": Component(stand)},
         (

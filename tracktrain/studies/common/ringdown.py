@@ -8,6 +8,7 @@ from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import least_squares
 
 Array = NDArray[np.float64]
 
@@ -59,7 +60,6 @@ def separable(
     columns: Callable[[Array], NDArray], values: NDArray, guess: Array, scale: Array | None = None
 ) -> tuple[Array, NDArray]:
     """Least squares of columns(guess) @ factors against values: the guess and the factors."""
-    from scipy.optimize import least_squares
 
     def factors(x: Array) -> NDArray:
         return np.linalg.lstsq(columns(x), values, rcond=None)[0]

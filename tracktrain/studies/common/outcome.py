@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-    from matplotlib.figure import Figure
+import matplotlib as mpl
+import pandas as pd
+import xarray as xr
+from matplotlib.figure import Figure
+
+from ...plots import STYLE
 
 
 @dataclass(frozen=True)
@@ -34,10 +35,6 @@ class Outcome:
 
         Raises OSError for a folder that cannot be written to.
         """
-        import matplotlib as mpl
-
-        from ..plots import STYLE
-
         place = Path(folder)
         place.mkdir(parents=True, exist_ok=True)
         self.dataset.to_netcdf(place / "data.nc", engine="netcdf4")

@@ -1,0 +1,122 @@
+"""The modes of the linear car: their names, how they change with speed, and when they grow."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq, linear_sum_assignment
+
+from ..scales import FOOT
+from ..terminal import Progress
+from .linear import (
+    Array,
+    Complex,
+    LinearCar,
+)
+
+SPEEDS = (20.0, 140.0)
+"""Speeds between which the modes are followed [ft/s], as report Figure 7-14 and beyond."""
+
+TUNED = 60 * FOOT
+"""Speed of the hunting that equivalent dampers are made for [m/s]."""
+
+CARBODY = (
+    "lateral", "bounce", "roll", "yaw", "pitch", "torsion", "lateral bending", "vertical bending",
+)  # fmt: skip
+TRUCK = ("lateral", "yaw", "bolster roll", "warp", "bolster lateral", "bolster bounce")
+"""The coordinates of both blocks, by which modes are named."""
+
+SECOND = 0.25
+"""Share of a mode's energy from which a second coordinate is part of its name."""
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A mode followed over the speeds: its name, eigenvalues [1/s] and shapes (speeds, states)."""
+
+    name: str
+    roots: Complex
+    shapes: Complex
+
+    @property
+    def frequency(self) -> Array:
+        """[Hz]"""
+        return self.roots.imag / (2 * pi)
+
+    @property
+    def damping(self) -> Array:
+        """Damping ratio."""
+        return -self.roots.real / np.abs(self.roots)
+
+
+class Critical(NamedTuple):
+    """A speed [m/s] at which a mode becomes unstable, its eigenvalue there [1/s], and its name."""
+
+    speed: float
+    root: complex
+    mode: str
+
+
+def linear_car(
+    car: str, friction: str = "stuck", changes: Mapping[str, float] | None = None
+) -> LinearCar:
+    """The car; its dampers are made for the frequency that it hunts at. # report (7-7)"""
+    if friction != "damper":
+        return LinearCar(car, changes, friction)
+    roots, _ = LinearCar(car, changes).modes(TUNED)
+    return LinearCar(car, changes, friction, omega=float(roots[roots.real.argmax()].imag))
+
+
+def name_of(linear: LinearCar, shape: Complex) -> str:
+    """A mode's name, by the coordinates that have most of its kinetic energy."""
+    shares: dict[str, float] = {}
+    for coordinate, share in linear.energies(shape).items():
+        instance, _, place = coordinate.partition(".q[")
+        own = instance == linear.layout.carbody
+        number = int(place[:-1]) - 1
+        name = CARBODY[number] if own else f"truck {TRUCK[number]}"
+        shares[name] = shares.get(name, 0.0) + share
+    first, second = sorted(shares.items(), key=lambda item: -item[1])[:2]
+    return f"{first[0]} + {second[0]}" if second[1] >= SECOND else first[0]
+
+
+def follow(linear: LinearCar, speeds: Array, progress: Progress | None = None) -> list[Branch]:
+    """The modes of all speeds [m/s], joined by likeness of shape and nearness of eigenvalue."""
+    roots, shapes = linear.modes(speeds[0])
+    paths = [([root], [shapes[:, i]]) for i, root in enumerate(roots)]
+    for number, speed in enumerate(speeds[1:], start=2):
+        roots, shapes = linear.modes(speed)
+        last = np.array([path[1][-1] for path in paths])
+        before = np.array([path[0][-1] for path in paths])
+        alike = np.abs(last.conj() @ shapes)
+        far = np.abs(before[:, None] - roots) / np.maximum(np.abs(before[:, None]), np.abs(roots))
+        lines, columns = linear_sum_assignment(far - alike)
+        for line, column in zip(lines, columns, strict=True):
+            paths[line][0].append(roots[column])
+            paths[line][1].append(shapes[:, column])
+        if progress:
+            progress(number / len(speeds))
+    whole = [path for path in paths if len(path[0]) == len(speeds)]
+    middle = len(speeds) // 2
+    return [
+        Branch(name_of(linear, path[1][middle]), np.array(path[0]), np.array(path[1]))
+        for path in whole
+    ]
+
+
+def critical_speeds(linear: LinearCar, speeds: Array) -> list[Critical]:
+    """Where a mode becomes unstable, between the lowest and the highest of the speeds [m/s]."""
+    levels = [linear.growth(speed) for speed in speeds]
+    found = []
+    for low, high, before, after in zip(speeds, speeds[1:], levels, levels[1:], strict=False):
+        if before < 0.0 <= after:
+            speed = brentq(linear.growth, low, high, xtol=1e-9)
+            roots, shapes = linear.modes(speed)
+            most = int(roots.real.argmax())
+            mode = name_of(linear, shapes[:, most])
+            found.append(Critical(float(speed), complex(roots[most]), mode))
+    return found
