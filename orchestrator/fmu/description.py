@@ -5,24 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from .units import (
-    Definitions,
-)
+from .types import TYPES
+from .units import Definitions
 
 CO_SIMULATION, MODEL_EXCHANGE = "co-simulation", "model exchange"
-
-
-KINDS = {
-    "Real": "real",
-    "Float64": "real",
-    "Float32": "real",
-    "Boolean": "boolean",
-    "Enumeration": "enumeration",
-    "String": "string",
-    "Binary": "binary",
-    "Clock": "clock",
-}
-"""Kind of each type; all others are integers."""
 
 
 @dataclass(frozen=True)
@@ -75,8 +61,8 @@ class Variable:
 
     @property
     def kind(self) -> str:
-        """What it is whatever its size in memory; one of `KINDS`, or "integer"."""
-        return KINDS.get(self.type, "integer")
+        """What it is whatever its size in memory, such as "real" or "integer"."""
+        return TYPES[self.type].kind
 
     @property
     def coupled(self) -> bool:

@@ -20,6 +20,7 @@ from ..fmu.description import (
     Description,
     Variable,
 )
+from ..fmu.types import TYPES
 from ..fmu.units import (
     Quantity,
     conversion,
@@ -28,12 +29,6 @@ from ..system.system import Value
 
 WHOLE = ("integer", "enumeration")
 NO_UNIT = (None, "", "1")
-RANGES = {
-    "Integer": (-(2**31), 2**31 - 1),
-    **{f"Int{bits}": (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1) for bits in (8, 16, 32, 64)},
-    **{f"UInt{bits}": (0, 2**bits - 1) for bits in (8, 16, 32, 64)},
-}
-"""Smallest and largest number of each integer type."""
 
 _WHOLE_NUMBER = re.compile(r"\s*[+-]?\d+\s*")
 
@@ -113,13 +108,12 @@ def _resolve(
         raise ValueRefusedError(
             f"{full} cannot be {number:g}{unit}: it must be {' and '.join(ends)}"
         )
-    if variable.type in RANGES:
-        low, high = RANGES[variable.type]
-        if not low <= number <= high:
-            raise ValueRefusedError(
-                f"{full} cannot be {int(number)}: it is of type {variable.type}, from {low} "
-                f"to {high}"
-            )
+    limits = TYPES[variable.type].limits
+    if limits is not None and not limits[0] <= number <= limits[1]:
+        raise ValueRefusedError(
+            f"{full} cannot be {int(number)}: it is of type {variable.type}, from {limits[0]} "
+            f"to {limits[1]}"
+        )
     return variable, int(number) if variable.kind in WHOLE else float(number)
 
 

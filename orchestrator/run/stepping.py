@@ -20,7 +20,6 @@ from ..errors import (
 )
 from ..masters.base import Prepared
 from ..masters.loop.tables import (
-    CALLS,
     LOOP,
     NOT_CONVERGED,
     NOT_FINITE,
@@ -252,7 +251,7 @@ class Stepper:
                 f"{self._time(self.rows_done - 1):g} s{slave.said()}"
             )
         return (
-            f"{slave.name}: {slave.fault(CALLS[call], status)} in the step from "
+            f"{slave.name}: {slave.fault(call, status)} in the step from "
             f"t = {self._time(self.rows_done - 1):g} s{slave.said()}"
         )
 

@@ -1,8 +1,4 @@
-"""A running instance: loaded, given its start values, and from then on C functions by address.
-
-FMI 2.0 here, FMI 3.0 in `fmi3`, mocks in `mock`. Masters call every instance by FMI 2.0's functions
-over doubles: those of an FMI 2.0 FMU that has nothing else, and `masters.adaptors` otherwise.
-"""
+"""A running instance: loaded, given its start values, and from then on C functions by address."""
 
 from __future__ import annotations
 
@@ -20,7 +16,7 @@ from ..fmu.description import (
     Variable,
 )
 from ..system.system import Value
-from .abi import Addresses, Reals
+from .abi import DIRECTIONAL, FUNCTIONS, GET_REAL, NAMES, SET_REAL, Addresses
 from .listener import Listener
 
 if TYPE_CHECKING:
@@ -85,13 +81,36 @@ class Slave(ABC):
 
     def set_reals(self, variables: Sequence[Variable], values: NDArray[np.float64]) -> None:
         """Set inputs; raises SlaveError."""
-        self._reals(self.addresses.set_real, variables, values, "cannot set")
+        self._reals(SET_REAL, variables, values, "cannot set")
 
     def get_reals(self, variables: Sequence[Variable]) -> NDArray[np.float64]:
         """Read variables; raises SlaveError."""
         values = np.empty(len(variables))
-        self._reals(self.addresses.get_real, variables, values, "cannot read")
+        self._reals(GET_REAL, variables, values, "cannot read")
         return values
+
+    def directional(
+        self, unknowns: Sequence[Variable], known: Variable
+    ) -> tuple[int, NDArray[np.float64]]:
+        """FMI's status, and derivatives of variables with respect to one."""
+        references = np.array([v.reference for v in (*unknowns, known)], np.uint32)
+        seed, result = np.ones(1), np.zeros(len(unknowns))
+        status = self.call(
+            DIRECTIONAL,
+            references.ctypes.data,
+            len(unknowns),
+            references[-1:].ctypes.data,
+            1,
+            seed.ctypes.data,
+            result.ctypes.data,
+        )
+        return status, result
+
+    def call(self, function: int, *arguments: float) -> int:
+        """Call a function by its number in `abi`; FMI's status."""
+        name = NAMES[function]
+        call = FUNCTIONS[name].c(getattr(self.addresses, name))
+        return int(call(self.addresses.instance, *arguments))
 
     def complaint(self) -> str:
         """What an adaptor refused; empty if it did not."""
@@ -105,8 +124,8 @@ class Slave(ABC):
         """Whether the FMU asked to end the run."""
         return self.lanes is not None and self.lanes.ended
 
-    def fault(self, function: str, status: int) -> str:
-        """How a call failed."""
+    def fault(self, function: int, status: int) -> str:
+        """How a call of a function failed, by the function's number in `abi`."""
         return f"{self.called(function)} returned {Status(status).name.lower()}"
 
     @property
@@ -140,9 +159,10 @@ class Slave(ABC):
         """Set inputs of type String; raises SlaveError."""
         raise NotImplementedError
 
-    def called(self, function: str) -> str:
-        """What a function of FMI 2.0 is called in the version of this instance."""
-        return function
+    def called(self, function: int) -> str:
+        """What a function of `abi` is called in this instance's version of FMI; empty for none."""
+        name = NAMES[function]
+        return FUNCTIONS[name].called(self.description.fmi_version) if name else ""
 
     def said(self) -> str:
         """The last message, to end a sentence with."""
@@ -167,12 +187,7 @@ class Slave(ABC):
         if not variables:
             return
         references = np.array([v.reference for v in variables], np.uint32)
-        status = Reals(function)(
-            self.addresses.instance,
-            references.ctypes.data,
-            len(variables),
-            values.ctypes.data,
-        )
+        status = self.call(function, references.ctypes.data, len(variables), values.ctypes.data)
         if status > Status.WARNING:
             names = ", ".join(v.name for v in variables)
             raise SlaveError(f"{self.name}: {verb} {names}{self.said()}")

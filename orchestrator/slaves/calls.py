@@ -1,4 +1,4 @@
-"""Calls of an FMU's C functions by address, the same from compiled code and from plain Python.
+"""Calls of an instance's C functions by address, the same from compiled code and plain Python.
 
 Every argument is a number: addresses of functions, instances and buffers as int64. In compiled
 code a call costs what it costs in C; numba could not cache a function that refers to a ctypes
@@ -7,6 +7,7 @@ object. In Python the same names go through ctypes.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
@@ -15,52 +16,7 @@ from numba import int32, types
 from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
-from .abi import Directional, DoStep, Rates, Reals, State
-
-
-@lru_cache(maxsize=1024)
-def _python(prototype: Any, address: int) -> Any:
-    return prototype(address)
-
-
-def reals(function: int, instance: int, references: int, count: int, values: int) -> int:
-    """fmi2SetReal or fmi2GetReal; the status."""
-    call = _python(Reals, int(function))
-    return call(int(instance), int(references), int(count), int(values))
-
-
-def rates(
-    function: int, instance: int, references: int, count: int, orders: int, values: int
-) -> int:
-    """fmi2SetRealInputDerivatives; the status."""
-    call = _python(Rates, int(function))
-    return call(int(instance), int(references), int(count), int(orders), int(values))
-
-
-def do_step(function: int, instance: int, time: float, step: float) -> int:
-    """fmi2DoStep, never to be undone; the status."""
-    return _python(DoStep, int(function))(int(instance), time, step, 1)
-
-
-def state(function: int, instance: int, state: int) -> int:
-    """fmi2GetFMUstate with the address of a state, or fmi2SetFMUstate with a state; the status."""
-    return _python(State, int(function))(int(instance), int(state))
-
-
-def directional(
-    function: int,
-    instance: int,
-    unknowns: int,
-    unknown_count: int,
-    knowns: int,
-    known_count: int,
-    seed: int,
-    result: int,
-) -> int:
-    """fmi2GetDirectionalDerivative; the status."""
-    call = _python(Directional, int(function))
-    arguments = (instance, unknowns, unknown_count, knowns, known_count, seed, result)
-    return call(*map(int, arguments))
+from .abi import FUNCTIONS
 
 
 def _typed_call(typing_context: Any, function: Any, arguments: Any) -> Any:
@@ -76,36 +32,44 @@ def _typed_call(typing_context: Any, function: Any, arguments: Any) -> Any:
     return signature, generate
 
 
-_call: Any = intrinsic(_typed_call)
+call: Any = intrinsic(_typed_call)
+"""In compiled code alone: call(address, arguments)."""
 
 
-# numba compares the names and annotations of these with those of what they return: none here.
-@overload(reals)
-def _reals(function, instance, references, count, values):
-    return lambda function, instance, references, count, values: _call(
-        function, (instance, references, count, values)
-    )
+@lru_cache(maxsize=1024)
+def _python(name: str, address: int) -> Any:
+    return FUNCTIONS[name].c(address)
 
 
-@overload(rates)
-def _rates(function, instance, references, count, orders, values):
-    return lambda function, instance, references, count, orders, values: _call(
-        function, (instance, references, count, orders, values)
-    )
+def _caller(name: str) -> Callable[..., int]:
+    """A call of a function of `Addresses`: its address, the instance, its arguments; the status."""
+    kinds = [int, *(float if a.signature == "float64" else int for a in FUNCTIONS[name].arguments)]
+
+    def python(address: int, *arguments: Any) -> int:
+        function = _python(name, int(address))
+        return function(*(kind(n) for kind, n in zip(kinds, arguments, strict=True)))
+
+    @overload(python)
+    def compiled(address, *arguments):
+        return lambda address, *arguments: call(address, arguments)
+
+    return python
 
 
+reals = _caller("get_real")
+"""fmi2SetReal or fmi2GetReal."""
+rates = _caller("set_rates")
+directional = _caller("directional")
+state = _caller("get_state")
+"""fmi2GetFMUstate with the address of a state, or fmi2SetFMUstate with a state."""
+
+
+def do_step(address: int, instance: int, time: float, step: float) -> int:
+    """fmi2DoStep, never to be undone."""
+    return _python("do_step", int(address))(int(instance), time, step, 1)
+
+
+# numba compares the names and annotations of this with those of what it returns: none here.
 @overload(do_step)
-def _do_step(function, instance, time, step):
-    return lambda function, instance, time, step: _call(function, (instance, time, step, int32(1)))
-
-
-@overload(state)
-def _state(function, instance, state):
-    return lambda function, instance, state: _call(function, (instance, state))
-
-
-@overload(directional)
-def _directional(function, instance, unknowns, unknown_count, knowns, known_count, seed, result):
-    return lambda function, instance, unknowns, unknown_count, knowns, known_count, seed, result: (
-        _call(function, (instance, unknowns, unknown_count, knowns, known_count, seed, result))
-    )
+def _do_step(address, instance, time, step):
+    return lambda address, instance, time, step: call(address, (instance, time, step, int32(1)))

@@ -6,8 +6,10 @@ import ctypes
 import os
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from weakref import WeakValueDictionary
+
+from fmpy import calloc, fmi2, free
 
 from ..errors import SlaveError
 from ..fmu.description import (
@@ -15,9 +17,11 @@ from ..fmu.description import (
     Variable,
 )
 from ..system.system import Value
-from .abi import Addresses
-from .fmu import FmuSlave, address_of
+from .fmu import FmuSlave
 from .listener import Listener
+
+if TYPE_CHECKING:
+    from .adapted.lanes import Lanes
 
 
 class Fmi2Slave(FmuSlave):
@@ -27,10 +31,13 @@ class Fmi2Slave(FmuSlave):
     """fmpy's class for it."""
 
     def __init__(
-        self, name: str, description: Description, folder: Path, listener: Listener | None = None
+        self,
+        name: str,
+        description: Description,
+        folder: Path,
+        listener: Listener | None = None,
+        lanes: Lanes | None = None,
     ) -> None:
-        from fmpy import calloc, fmi2, free
-
         super().__init__(name, description, listener)
         callbacks = fmi2.fmi2CallbackFunctions()
         callbacks.logger = _logger()
@@ -63,45 +70,10 @@ class Fmi2Slave(FmuSlave):
             raise SlaveError(
                 f"{name}: {description.label} cannot be instantiated{self.said()}"
             ) from None
-        self.addresses = self._addresses()
-
-    def _addresses(self) -> Addresses:
-        def address(function: str) -> int:
-            return address_of(self._fmu.dll, function)
-
-        if any(v.lane for v in self.description.variables.values()):
-            from .adapted.lanes import Lanes
-
-            self.lanes = Lanes(self.description)
-            return self.lanes.bind(self._fmu.component, address)
-        return Addresses(
-            self._fmu.component,
-            *map(
-                address,
-                (
-                    "fmi2SetReal",
-                    "fmi2GetReal",
-                    "fmi2DoStep",
-                    "fmi2SetRealInputDerivatives",
-                    "fmi2GetDirectionalDerivative",
-                    "fmi2GetFMUstate",
-                    "fmi2SetFMUstate",
-                ),
-            ),
-        )
+        self.addresses = self._bind(lanes)
 
     def set_value(self, variable: Variable, value: Value) -> None:
-        setter = {
-            "Real": self._fmu.setReal,
-            "Integer": self._fmu.setInteger,
-            "Enumeration": self._fmu.setInteger,
-            "Boolean": self._fmu.setBoolean,
-            "String": self._fmu.setString,
-        }[variable.type]
-        given = own_value(variable, value)
-        unit = f" {variable.unit}" if variable.unit else ""
-        what = f"refused {variable.name} = {value}{unit}"
-        self._call(what, setter, [variable.value_reference], [given])
+        self._set(variable, value)
 
     def start(self, time: float, stop: float) -> None:
         self._call(
@@ -136,9 +108,7 @@ class Fmi2Slave(FmuSlave):
             self._fmu.freeFMUstate(held)
 
     def _deserialize(self, state: bytes) -> None:
-        from fmpy.fmi2 import fmi2FMUstate
-
-        held = fmi2FMUstate()
+        held = fmi2.fmi2FMUstate()
         what = "cannot take the state of the checkpoint"
         self._call(what, self._fmu.deSerializeFMUstate, state, held)
         try:
@@ -154,7 +124,6 @@ _logging: WeakValueDictionary[int, Fmi2Slave] = WeakValueDictionary()
 @cache
 def _logger() -> Any:
     """The one C function to which every FMU logs: fmpy's proxy knows a single one."""
-    from fmpy import fmi2
 
     def log(environment: int, name: bytes, status: int, category: bytes, message: bytes) -> None:
         slave = _logging.get(environment or 0)
@@ -165,11 +134,3 @@ def _logger() -> Any:
             slave.heard(status, (message or b"").decode(errors="replace").strip())
 
     return fmi2.fmi2CallbackLoggerTYPE(log)
-
-
-def own_value(variable: Variable, value: Value) -> Value:
-    """A value as the FMU itself has it, where a port map changes it."""
-    lane = variable.lane
-    if lane is None or (lane.gain, lane.offset) == (1.0, 0.0) or not isinstance(value, float | int):
-        return value
-    return (value - lane.offset) / lane.gain

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import ctypes
 import os
-from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fmpy import fmi3
 
 from ..errors import SlaveError
 from ..fmu.description import (
@@ -13,14 +15,11 @@ from ..fmu.description import (
     Variable,
 )
 from ..system.system import Value
-from .adapted import adaptors
-from .adapted.lanes import Lanes
-from .fmi2 import own_value
-from .fmu import (
-    FmuSlave,
-    address_of,
-)
+from .fmu import FmuSlave, own_value
 from .listener import Listener
+
+if TYPE_CHECKING:
+    from .adapted.lanes import Lanes
 
 ITERATIONS = 100
 """Event iterations after which an FMU that still asks for more is given up."""
@@ -33,13 +32,16 @@ class Fmi3Slave(FmuSlave):
     """fmpy's class for it."""
 
     def __init__(
-        self, name: str, description: Description, folder: Path, listener: Listener | None = None
+        self,
+        name: str,
+        description: Description,
+        folder: Path,
+        listener: Listener | None,
+        lanes: Lanes,
     ) -> None:
-        from fmpy import fmi3
-
         super().__init__(name, description, listener)
         self._given: dict[tuple[str, int], dict[int, Value]] = {}
-        self.lanes: Lanes = Lanes(description)
+        self.lanes: Lanes = lanes
         working_folder = Path.cwd()
         try:
             self._fmu = getattr(fmi3, self.wrapper)(
@@ -56,16 +58,12 @@ class Fmi3Slave(FmuSlave):
         self._instantiate(f"{folder / 'resources'}{os.sep}")
         if not self._fmu.component:
             raise SlaveError(f"{name}: {description.label} cannot be instantiated{self.said()}")
-        self.addresses = self.lanes.bind(
-            self._fmu.component, lambda function: address_of(self._fmu.dll, function)
-        )
+        self.addresses = self._bind(lanes)
 
     def _instantiate(self, resources: str) -> None:
-        from fmpy import fmi3
-
         description = self.description
         self._update = fmi3.fmi3IntermediateUpdateCallback(
-            adaptors.intermediate_update.address if description.interpolates_inputs else 0
+            self.lanes.intermediate_update if description.interpolates_inputs else 0
         )
         moving = [
             v.value_reference
@@ -98,12 +96,9 @@ class Fmi3Slave(FmuSlave):
         structural = variable.causality == "structuralParameter"
         if structural:
             self._call("refused to be configured", self._fmu.enterConfigurationMode)
-        unit = f" {variable.unit}" if variable.unit else ""
-        what = f"refused {variable.name} = {value}{unit}"
-        self._call(
-            what, self._setter(variable), [variable.value_reference], [own_value(variable, value)]
-        )
+        self._set(variable, value)
         if structural:
+            unit = f" {variable.unit}" if variable.unit else ""
             what = f"cannot be configured with {variable.name} = {value}{unit}"
             self._call(what, self._fmu.exitConfigurationMode)
 
@@ -120,7 +115,7 @@ class Fmi3Slave(FmuSlave):
             if key in inputs:  # of which an element may stay at its start
                 values = self._call(
                     f"cannot read {inputs[key].name}",
-                    getattr(self._fmu, f"get{_function(inputs[key])}"),
+                    self._accessor("get", inputs[key]),
                     [key[1]],
                     nValues=len(store),
                 )
@@ -153,10 +148,6 @@ class Fmi3Slave(FmuSlave):
         finally:
             self._fmu.freeFMUState(held)
 
-    def called(self, function: str) -> str:
-        typed = {"fmi2SetReal": "setting inputs", "fmi2GetReal": "reading outputs"}
-        return typed.get(function, function.replace("fmi2", "fmi3"))
-
     def _set_arrays(self) -> None:
         """Set the arrays of which elements were given, the others at their start."""
         elements: dict[tuple[str, int], list[Variable]] = {}
@@ -168,7 +159,9 @@ class Fmi3Slave(FmuSlave):
             values = [given[n] if n in given else self._start_of(v) for n, v in enumerate(ordered)]
             whole = ordered[0].name.rpartition("[")[0]
             shown = " ".join(map(str, values))
-            self._call(f"refused {whole} = {shown}", self._setter(ordered[0]), [key[1]], values)
+            self._call(
+                f"refused {whole} = {shown}", self._accessor("set", ordered[0]), [key[1]], values
+            )
 
     def _start_of(self, variable: Variable) -> Value:
         start = variable.start
@@ -184,9 +177,6 @@ class Fmi3Slave(FmuSlave):
         number = float(start) if variable.kind == "real" else int(start)
         return own_value(variable, number)
 
-    def _setter(self, variable: Variable) -> Callable[..., None]:
-        return getattr(self._fmu, f"set{_function(variable)}")
-
     def _iterate(self) -> None:
         for _ in range(ITERATIONS):
             again, ended, *_ = self._fmu.updateDiscreteStates()
@@ -198,7 +188,3 @@ class Fmi3Slave(FmuSlave):
 
     def _heard(self, _: int, status: int, category: bytes, message: bytes) -> None:
         self.heard(status, (message or b"").decode(errors="replace").strip())
-
-
-def _function(variable: Variable) -> str:
-    return "Int64" if variable.type == "Enumeration" else variable.type

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..errors import SlaveError
-from ..fmu.description import (
-    Variable,
-)
+from ..fmu.description import Variable
+from ..fmu.types import TYPES
+from ..system.system import Value
+from .abi import FUNCTIONS, Addresses
 from .base import Slave
+
+if TYPE_CHECKING:
+    from .adapted.lanes import Lanes
 
 
 class FmuSlave(Slave):
@@ -26,6 +30,31 @@ class FmuSlave(Slave):
         except Exception:  # an instance that failed may refuse; it is freed all the same
             pass
         self._fmu.freeInstance()
+
+    def _bind(self, lanes: Lanes | None) -> Addresses:
+        """What masters call: the FMU's own functions, or adaptors that go through lanes to them."""
+
+        def address(function: str) -> int:
+            return address_of(self._fmu.dll, function)
+
+        self.lanes = lanes
+        if lanes is not None:
+            return lanes.bind(self._fmu.component, address)
+        own = (address(function.fmi2) for function in FUNCTIONS.values())
+        return Addresses(self._fmu.component, *own)
+
+    def _set(self, variable: Variable, value: Value) -> None:
+        unit = f" {variable.unit}" if variable.unit else ""
+        what = f"refused {variable.name} = {value}{unit}"
+        self._call(
+            what, self._accessor("set", variable), [variable.value_reference],
+            [own_value(variable, value)],
+        )  # fmt: skip
+
+    def _accessor(self, verb: str, variable: Variable) -> Callable[..., Any]:
+        """fmpy's method that sets or gets variables of a type."""
+        name, _ = TYPES[variable.type].access(self.description.fmi_version)
+        return getattr(self._fmu, f"{verb}{name}")
 
     def debug(self, categories: Sequence[str]) -> None:
         what = f"refused the log categories {', '.join(categories) or '(all)'}"
@@ -73,3 +102,11 @@ class FmuSlave(Slave):
 def address_of(library: ctypes.CDLL, function: str) -> int:
     """Address of a function of a loaded library; 0 if it has none of this name."""
     return ctypes.cast(getattr(library, function, 0), ctypes.c_void_p).value or 0
+
+
+def own_value(variable: Variable, value: Value) -> Value:
+    """A value as the FMU itself has it, where a port map changes it."""
+    lane = variable.lane
+    if lane is None or (lane.gain, lane.offset) == (1.0, 0.0) or not isinstance(value, float | int):
+        return value
+    return (value - lane.offset) / lane.gain

@@ -1,4 +1,4 @@
-"""A slave made of Python functions, to stand in an FMU's place: for tests and for trying out."""
+"""A slave made of Python functions in an FMU's place: rigs that drive FMUs, tests, trying out."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..fmu.description import (
     Variable,
 )
 from ..system.system import Value
-from .abi import Addresses, Directional, DoStep, Rates, Reals, State
+from .abi import FUNCTIONS, Addresses
 from .base import (
     Slave,
     Status,
@@ -91,7 +91,10 @@ Mock = InlineModel
 
 
 class InlineSlave(Slave):
-    """A running inline model behind the same C functions as an FMU's."""
+    """A running inline model behind the same C functions as an FMU's.
+
+    Since masters know addresses alone, its functions read and write memory by address.
+    """
 
     in_python = True
 
@@ -104,18 +107,12 @@ class InlineSlave(Slave):
         self._rates = {name: [0.0, 0.0] for name in self._u}
         self._x: Any = None
         self._saved: list[Any] = []
-        callbacks = (
-            Reals(self._guarded(self._set)),
-            Reals(self._guarded(self._get)),
-            DoStep(self._guarded(self._step)),
-            Rates(self._guarded(self._set_rates)),
-            Directional(self._guarded(self._directional)),
-            State(self._guarded(self._save)),
-            State(self._guarded(self._restore)),
-        )
-        self._callbacks = callbacks
+        self._callbacks = [
+            function.c(self._guarded(getattr(self, f"_{function_name}")))
+            for function_name, function in FUNCTIONS.items()
+        ]
         self.addresses = Addresses(
-            0, *(ctypes.cast(c, ctypes.c_void_p).value or 0 for c in callbacks)
+            0, *(ctypes.cast(c, ctypes.c_void_p).value or 0 for c in self._callbacks)
         )
 
     def set_value(self, variable: Variable, value: Value) -> None:
@@ -147,7 +144,7 @@ class InlineSlave(Slave):
     def _named(self, references: int, count: int) -> list[str]:
         return [self._names[r] for r in (ctypes.c_uint32 * count).from_address(references)]
 
-    def _set(self, _: int, references: int, count: int, values: int) -> None:
+    def _set_real(self, _: int, references: int, count: int, values: int) -> None:
         given = (ctypes.c_double * count).from_address(values)
         self._u.update(zip(self._named(references, count), given, strict=True))
 
@@ -159,12 +156,12 @@ class InlineSlave(Slave):
                 raise ValueError(f"input derivatives up to order {self._model.input_order} only")
             self._rates[name][n - 1] = value
 
-    def _get(self, _: int, references: int, count: int, values: int) -> None:
+    def _get_real(self, _: int, references: int, count: int, values: int) -> None:
         known = {**self._p, **self._u, **self._model.output(self._x, self._u, self._p)}
         taken = (ctypes.c_double * count).from_address(values)
         taken[:] = [known[name] for name in self._named(references, count)]
 
-    def _step(self, _: int, time: float, step: float, _no_return: int) -> None:
+    def _do_step(self, _: int, time: float, step: float, _no_return: int) -> None:
         rates: Mapping[str, Any] = self._rates
         if self._model.input_order == 1:
             rates = {name: first for name, (first, _) in self._rates.items()}
@@ -173,14 +170,14 @@ class InlineSlave(Slave):
             self._u[name] += (first + 0.5 * second * step) * step
         self._rates = {name: [0.0, 0.0] for name in self._u}
 
-    def _save(self, _: int, place: int) -> None:
+    def _get_state(self, _: int, place: int) -> None:
         handle = ctypes.c_size_t.from_address(place)
         if not handle.value:
             self._saved.append(None)
             handle.value = len(self._saved)
         self._saved[handle.value - 1] = (self._x, dict(self._u))
 
-    def _restore(self, _: int, handle: int) -> None:
+    def _set_state(self, _: int, handle: int) -> None:
         self._x, inputs = self._saved[handle - 1]
         self._u = dict(inputs)
         self._rates = {name: [0.0, 0.0] for name in self._u}

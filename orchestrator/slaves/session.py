@@ -12,6 +12,7 @@ from ..fmu.description import Description
 from ..plan.plan import Plan
 from ..system.system import System
 from .base import Slave
+from .isolated.slave import IsolatedSlave
 from .listener import Listener
 from .loading import (
     load,
@@ -72,8 +73,6 @@ class Session:
             elif name in ready:
                 slave = ready[name]
             elif name in isolate:
-                from .isolated import IsolatedSlave
-
                 folder = self._unzip(component.fmu, description)
                 slave = IsolatedSlave(name, description, folder, listener, timeout)
             else:

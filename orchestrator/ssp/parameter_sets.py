@@ -15,6 +15,7 @@ from ..fmu.description import (
     Description,
     Variable,
 )
+from ..fmu.types import TYPES
 from ..fmu.units import (
     BaseUnit,
     Definitions,
@@ -39,7 +40,6 @@ from .connections import (
     along,
 )
 from .package import unit_definitions
-from .structure import TYPES
 from .xml import (
     Node,
     new_document,
@@ -114,7 +114,7 @@ def read_parameters(root: Node) -> list[Given]:
         node = next((child for child in parameter if child.tag in TYPES), None)
         if node is None:
             root.fail(f"the parameter '{name}' has no value")
-        kind = TYPES[node.tag]
+        kind = TYPES[node.tag].ssp
         if kind in ("Binary", "Clock"):
             root.fail(f"the parameter '{name}' is of type {node.tag}, which cannot be given")
         unit = Unit(node.get("unit"), units) if node.get("unit") else None
@@ -230,7 +230,7 @@ def write_dimensions(parent: Element, shape: tuple[int, ...], version: str, labe
 
 def type_in(version: str, variable: Variable) -> str:
     """A variable's type as a version of SSP calls it; 1.0 knows those of FMI 2.0 only."""
-    return TYPES[variable.type] if version == "1.0" else variable.type
+    return TYPES[variable.type].ssp if version == "1.0" else variable.type
 
 
 def shape_of(description: Description, name: str) -> tuple[int, ...]:
@@ -250,7 +250,7 @@ def _is_start(instance: str, description: Description, variable: Variable, value
 
 def _spelled(variable: Variable, given: Value, fitting: Value) -> tuple[str, str, str | None]:
     """Type, text and unit of a value as it was given; `fitting` is what its variable gets."""
-    kind = TYPES[variable.type]
+    kind = TYPES[variable.type].ssp
     if kind == "Real" and isinstance(given, str):
         unit = Quantity.parsed(given).unit
         return kind, given.strip().removesuffix(unit).strip(), unit or variable.unit

@@ -16,6 +16,7 @@ from ..fmu.description import (
     Variable,
 )
 from ..fmu.read import describe
+from ..fmu.types import TYPES
 from .package import Document
 from .xml import Node
 
@@ -28,13 +29,6 @@ DEEPEST = 32
 """Systems nested deeper than this contain themselves."""
 
 CAUSALITIES = {"input", "output", "parameter", "calculatedParameter", "structuralParameter"}
-TYPES = {
-    **dict.fromkeys(("Real", "Float64", "Float32"), "Real"),
-    **dict.fromkeys(("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64"), "Integer"),
-    **dict.fromkeys(("Integer", "UInt64"), "Integer"),
-    **{name: name for name in ("Boolean", "String", "Enumeration", "Binary", "Clock")},
-}
-"""Kind of value by the name of the type in SSP 1.0 and 2.0 and in FMI 2.0 and 3.0."""
 
 
 @dataclass(frozen=True)
@@ -261,7 +255,7 @@ def _check_connector(element: Element, name: str) -> None:
     variable = variable_of(description, name)
     if declared.kind in CAUSALITIES and declared.kind != variable.causality:
         fail(f"{label} is declared {declared.kind}, but is {variable.causality} of its FMU")
-    if declared.type and TYPES[declared.type] != TYPES[variable.type]:
+    if declared.type and TYPES[declared.type].ssp != TYPES[variable.type].ssp:
         fail(f"{label} is declared {declared.type}, but is {variable.type} in its FMU")
     shape = description.arrays.get(name, ())
     fits = len(shape) == len(declared.sizes) and all(

@@ -19,6 +19,7 @@ from ..fmu.description import (
     Variable,
 )
 from ..fmu.read import describe
+from ..fmu.types import TYPES
 from ..fmu.units import Definitions
 from ..plan.plan import component_description
 from ..system.system import (
@@ -46,7 +47,6 @@ from .reader import (
     OSP,
     OWN,
 )
-from .structure import TYPES
 from .xml import (
     new_document,
     text_of,
@@ -151,7 +151,7 @@ class _Archive:
         ports = {
             name: variable
             for name, variable in _whole_variables(description).items()
-            if variable.causality in CONNECTORS and TYPES[variable.type] in WRITTEN
+            if variable.causality in CONNECTORS and TYPES[variable.type].ssp in WRITTEN
         }
         if ports:
             connectors = SubElement(node, "ssd:Connectors")
@@ -168,7 +168,7 @@ class _Archive:
     def _type(self, connector: Element, port: Variable, definitions: Definitions) -> None:
         kind = type_in(self.version, port)
         attributes = {}
-        if TYPES[port.type] == "Real":
+        if TYPES[port.type].ssp == "Real":
             attributes = self.units.attribute(port.unit, definitions)
         elif kind == "Enumeration":
             items = tuple(port.items.items())

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..errors import SlaveError
 from ..fmu.description import Variable
 from ..plan.plan import make_plan
-from ..slaves import calls as ffi
+from ..slaves.abi import DIRECTIONAL, DO_STEP, GET_STATE, SET_STATE
 from ..slaves.base import (
     Slave,
     Status,
@@ -101,46 +101,26 @@ class Probe:
 
     def step(self, size: float) -> None:
         """One step [s]."""
-        addresses = self.slave.addresses
-        self._check(
-            "fmi2DoStep", ffi.do_step(addresses.do_step, addresses.instance, self.time, size)
-        )
+        self._check(DO_STEP, self.slave.call(DO_STEP, self.time, size, 1))
         self.time += size
 
     def save(self) -> None:
         """Keep the state, in the place of the one that was kept before."""
-        function = self.slave.addresses.get_state
-        self._check("fmi2GetFMUstate", self._state(function, self._handle.ctypes.data))
+        self._check(GET_STATE, self.slave.call(GET_STATE, self._handle.ctypes.data))
         self._saved_time = self.time
 
     def restore(self) -> None:
         """Go back to the state that was kept."""
-        function = self.slave.addresses.set_state
-        self._check("fmi2SetFMUstate", self._state(function, int(self._handle[0])))
+        self._check(SET_STATE, self.slave.call(SET_STATE, int(self._handle[0])))
         self.time = self._saved_time
 
     def directional(self, unknowns: Sequence[Variable], known: Variable) -> Array:
         """Derivatives of outputs with respect to an input, as the FMU gives them."""
-        addresses, result = self.slave.addresses, np.zeros(len(unknowns))
-        references = np.array([v.reference for v in (*unknowns, known)], np.uint32)
-        seed = np.ones(1)
-        status = ffi.directional(
-            addresses.directional,
-            addresses.instance,
-            references.ctypes.data,
-            len(unknowns),
-            references[-1:].ctypes.data,
-            1,
-            seed.ctypes.data,
-            result.ctypes.data,
-        )
-        self._check("fmi2GetDirectionalDerivative", status)
+        status, result = self.slave.directional(unknowns, known)
+        self._check(DIRECTIONAL, status)
         return result
 
-    def _state(self, function: int, argument: int) -> int:
-        return ffi.state(function, self.slave.addresses.instance, argument)
-
-    def _check(self, function: str, status: int) -> None:
+    def _check(self, function: int, status: int) -> None:
         if status > Status.WARNING:
             raise SlaveError(f"{self.slave.fault(function, status)}{self.slave.said()}")
 

@@ -17,7 +17,7 @@ from ..system.system import System
 from .model_exchange import (
     Model,
     load_models,
-    plan_exchange,
+    plan_whole,
 )
 from .monolith import Whole
 
@@ -59,7 +59,7 @@ def linearise(
     Raises OrchestratorError for an FMU that offers no model exchange or no directional derivatives,
     and for loops without a solution.
     """
-    plan = plan_exchange(system, record)
+    plan = plan_whole(system, record)
     with ExitStack() as stack:
         models = load_models(system, plan, stack, start, start, listener(logger))
         _check(models)
@@ -78,7 +78,7 @@ def _check(models: Sequence[Model]) -> None:
 
 
 def _assembled(plan: Plan, models: Sequence[Model]) -> LinearModel:
-    states = [(i, name) for i, model in enumerate(models) for name in model.exchange.states]
+    states = [(i, name) for i, model in enumerate(models) for name in model.continuous.states]
     linked = [(k.target, k.input.name) for k in plan.links]
     opened = [
         (i, v.name)
@@ -89,7 +89,7 @@ def _assembled(plan: Plan, models: Sequence[Model]) -> LinearModel:
         and v.name not in description.partials
     ]
     columns = [(i, v.name) for i, v in plan.columns]
-    rates = [(i, name) for i, model in enumerate(models) for name in model.exchange.derivatives]
+    rates = [(i, name) for i, model in enumerate(models) for name in model.continuous.rates]
     known = [*states, *linked, *opened]
     slopes = np.zeros((len(rates) + len(columns), len(known)))
     row_of: dict[int, list[int]] = {i: [] for i in range(len(models))}
@@ -99,7 +99,7 @@ def _assembled(plan: Plan, models: Sequence[Model]) -> LinearModel:
     for n, (i, name) in enumerate(known):
         names = [unknowns[row][1] for row in row_of[i]]
         if names:
-            slopes[row_of[i], n] = models[i].directional(names, name)
+            slopes[row_of[i], n] = models[i].derivatives(names, name)
     n_x, n_u = len(states), len(linked)
     by_state, by_link, by_input = np.split(slopes, [n_x, n_x + n_u], axis=1)
     carried = np.zeros((n_u, len(columns)))

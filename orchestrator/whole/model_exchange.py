@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +29,7 @@ from ..plan.plan import (
     make_plan,
 )
 from ..run.initial_values import settle
-from ..slaves.abi import Directional, Reals
+from ..slaves.abi import FUNCTIONS
 from ..slaves.base import Status
 from ..slaves.fmi2 import Fmi2Slave
 from ..slaves.fmi3 import Fmi3Slave
@@ -38,7 +38,7 @@ from ..slaves.fmu import (
     address_of,
 )
 from ..slaves.listener import Listener
-from ..slaves.loading import unzip
+from ..slaves.loading import lanes_of, unzip
 from ..system.system import System
 
 Array = NDArray[np.float64]
@@ -50,65 +50,41 @@ ITERATIONS = 100
 
 
 @dataclass(frozen=True)
-class Exchange:
-    """What an FMU offers for model exchange. states, derivatives: names, in the vector's order."""
+class Continuous:
+    """What an FMU is as a differential equation. states, rates: names, in the vectors' order.
+
+    indicators: how many numbers change their sign at events. follows_steps: it is told of each
+    completed step.
+    """
 
     states: tuple[str, ...]
-    derivatives: tuple[str, ...]
+    rates: tuple[str, ...]
     indicators: int
     follows_steps: bool
 
 
-class Model(Protocol):
-    """One instance, whatever its version of FMI, once it has been initialized.
+class Model(FmuSlave):
+    """An instance for model exchange, whatever its version of FMI.
 
-    x, rate, indicators: where `set_states`, `get_states`, `get_rates`, `get_indicators` exchange.
-    next_event: when it asked to enter event mode next [s].
-    """
-
-    name: str
-    description: Description
-    exchange: Exchange
-    x: Array
-    rate: Array
-    indicators: Array
-    next_event: float
-    set_states: Call
-    get_states: Call
-    get_rates: Call
-    get_indicators: Call
-
-    def get_reals(self, variables: Sequence[Variable]) -> Array: ...
-    def nominals(self) -> Array: ...
-    def setter(self, variables: Sequence[Variable]) -> tuple[Array, Call]: ...
-    def getter(self, variables: Sequence[Variable]) -> tuple[Array, Call]: ...
-    def set_time(self, time: float) -> None: ...
-    def completed_step(self) -> bool: ...
-    def enter_event_mode(self) -> None: ...
-    def new_discrete_states(self) -> bool: ...
-    def enter_continuous_mode(self) -> None: ...
-    def directional(self, unknowns: Sequence[str], known: str) -> Array: ...
-
-
-class Exchanging(FmuSlave):
-    """What instances for model exchange have in common, whatever their version of FMI.
-
-    prefix, rates: of the names of C functions. update: fmpy's name for the discrete states'.
+    x, rate, indicators: what `set_states`, `get_states`, `get_rates` and `get_indicators` read and
+    write. next_event: when it asked to enter event mode next [s].
     """
 
     prefix: str
-    rates: str
-    update: str
+    """Of the names of C functions."""
+    rates_function: str
+    update_function: str
+    """fmpy's name for the update of discrete states."""
 
-    def __init__(self, exchange: Exchange, *instance: Any) -> None:
+    def __init__(self, continuous: Continuous, *instance: Any) -> None:
         super().__init__(*instance)
-        self.exchange = exchange
-        self.x, self.rate = np.zeros(len(exchange.states)), np.zeros(len(exchange.states))
-        self.indicators = np.zeros(exchange.indicators)
+        self.continuous = continuous
+        self.x, self.rate = np.zeros(len(continuous.states)), np.zeros(len(continuous.states))
+        self.indicators = np.zeros(continuous.indicators)
         self.next_event = np.inf
         self.set_states = self._vector("SetContinuousStates", self.x)
         self.get_states = self._vector("GetContinuousStates", self.x)
-        self.get_rates = self._vector(self.rates, self.rate)
+        self.get_rates = self._vector(self.rates_function, self.rate)
         self.get_indicators = self._vector("GetEventIndicators", self.indicators)
 
     def nominals(self) -> Array:
@@ -117,16 +93,16 @@ class Exchanging(FmuSlave):
         return values
 
     def setter(self, variables: Sequence[Variable]) -> tuple[Array, Call]:
-        return self._ports("cannot set", self.addresses.set_real, variables)
+        return self._ports("cannot set", "set_real", variables)
 
     def getter(self, variables: Sequence[Variable]) -> tuple[Array, Call]:
-        return self._ports("cannot read", self.addresses.get_real, variables)
+        return self._ports("cannot read", "get_real", variables)
 
     def set_time(self, time: float) -> None:
         self._call(f"refused the time {time:g} s", self._fmu.setTime, time)
 
     def completed_step(self) -> bool:
-        if not self.exchange.follows_steps:
+        if not self.continuous.follows_steps:
             return False
         done = self._call("refused a completed step", self._fmu.completedIntegratorStep)
         event, ended = done
@@ -138,7 +114,7 @@ class Exchanging(FmuSlave):
 
     def new_discrete_states(self) -> bool:
         what = "cannot update its discrete states"
-        again, ended, _, _, timed, time = self._call(what, getattr(self._fmu, self.update))
+        again, ended, _, _, timed, time = self._call(what, getattr(self._fmu, self.update_function))
         self._refuse_end(ended)
         self.next_event = float(time) if timed else np.inf
         return bool(again)
@@ -146,19 +122,9 @@ class Exchanging(FmuSlave):
     def enter_continuous_mode(self) -> None:
         self._call("refused continuous-time mode", self._fmu.enterContinuousTimeMode)
 
-    def directional(self, unknowns: Sequence[str], known: str) -> Array:
+    def derivatives(self, unknowns: Sequence[str], known: str) -> Array:
         named = self.description.variables
-        references = np.array([named[name].reference for name in (*unknowns, known)], np.uint32)
-        seed, result = np.ones(1), np.empty(len(unknowns))
-        status = Directional(self.addresses.directional)(
-            self.addresses.instance,
-            references.ctypes.data,
-            len(unknowns),
-            references[-1:].ctypes.data,
-            1,
-            seed.ctypes.data,
-            result.ctypes.data,
-        )
+        status, result = self.directional([named[name] for name in unknowns], named[known])
         if status > Status.WARNING:
             raise SlaveError(f"{self.name}: cannot give derivatives by {known}{self.said()}")
         return result
@@ -173,13 +139,14 @@ class Exchanging(FmuSlave):
         given = (self._fmu.component, values.ctypes.data, len(values))
         return self._bound(f"{function} failed", values, call, given)
 
-    def _ports(self, verb: str, function: int, variables: Sequence[Variable]) -> tuple[Array, Call]:
+    def _ports(self, verb: str, function: str, variables: Sequence[Variable]) -> tuple[Array, Call]:
         values = np.zeros(len(variables))
         references = np.array([v.reference for v in variables], np.uint32)
         places = (references.ctypes.data, len(values), values.ctypes.data)
+        call = FUNCTIONS[function].c(getattr(self.addresses, function))
         what = f"{verb} {', '.join(v.name for v in variables)}"
         given = (self.addresses.instance, *places)
-        return values, self._bound(what, (values, references), Reals(function), given)
+        return values, self._bound(what, (values, references), call, given)
 
     def _bound(self, failure: str, kept: Any, call: Any, given: Sequence[int]) -> Call:
         """The C function with its arguments made once: a right-hand side makes many small calls."""
@@ -193,18 +160,19 @@ class Exchanging(FmuSlave):
         return bound
 
 
-class Fmi2Model(Exchanging, Fmi2Slave):
+class Fmi2Model(Model, Fmi2Slave):
     """An instance of an FMI 2.0 FMU for model exchange."""
 
     wrapper = "FMU2Model"
-    prefix, rates, update = "fmi2", "GetDerivatives", "newDiscreteStates"
+    prefix, rates_function, update_function = "fmi2", "GetDerivatives", "newDiscreteStates"
 
 
-class Fmi3Model(Exchanging, Fmi3Slave):
+class Fmi3Model(Model, Fmi3Slave):
     """An instance of an FMI 3.0 FMU for model exchange, its ports called through adaptors."""
 
     wrapper = "FMU3Model"
-    prefix, rates, update = "fmi3", "GetContinuousStateDerivatives", "updateDiscreteStates"
+    prefix, rates_function = "fmi3", "GetContinuousStateDerivatives"
+    update_function = "updateDiscreteStates"
 
     def _instantiate(self, resources: str) -> None:
         self._fmu.component = self._fmu.fmi3InstantiateModelExchange(
@@ -218,7 +186,7 @@ class Fmi3Model(Exchanging, Fmi3Slave):
         )
 
 
-def plan_exchange(system: System, record: Sequence[str] | None) -> Plan:
+def plan_whole(system: System, record: Sequence[str] | None) -> Plan:
     """The plan of a system whose FMUs are integrated as one.
 
     Raises CouplingError naming the instances that offer no model exchange.
@@ -262,14 +230,15 @@ def load_models(
     """
     folder = Path(stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True)))
     unzipped: dict[Path, Path] = {}
-    models: list[Exchanging] = []
+    models: list[Model] = []
     described = zip(system.components.items(), plan.descriptions, strict=True)
     for (name, component), description in described:
         path = Path(str(component.fmu)).resolve()
         if path not in unzipped:
             unzipped[path] = unzip(path, description, folder / str(len(unzipped)))
-        exchange = _exchange(path, description)
-        model = _kind(description)(exchange, name, description, unzipped[path], listener)
+        kind: type[Model] = Fmi3Model if description.fmi_version[0] == "3" else Fmi2Model
+        instance = (name, description, unzipped[path], listener, lanes_of(description))
+        model = kind(_continuous(path, description), *instance)
         stack.callback(model.close)
         models.append(model)
     for model, values in zip(models, plan.values, strict=True):
@@ -280,14 +249,10 @@ def load_models(
     settle(plan, models)
     for model in models:
         model.begin_stepping()
-    return list(models)
+    return models
 
 
-def _kind(description: Description) -> type[Exchanging]:
-    return Fmi2Model if description.fmi_version.startswith("2.") else Fmi3Model
-
-
-def _exchange(path: Path, description: Description) -> Exchange:
+def _continuous(path: Path, description: Description) -> Continuous:
     contents = open_fmu(path)
     said, model = contents.interfaces[MODEL_EXCHANGE], contents.model
 
@@ -307,9 +272,9 @@ def _exchange(path: Path, description: Description) -> Exchange:
     fmi3 = description.fmi_version.startswith("3.")
     not_needed = said.get("completedIntegratorStepNotNeeded") in ("true", "1")
     needed = said.get("needsCompletedIntegratorStep") in ("true", "1")
-    return Exchange(
+    return Continuous(
         states=elements(rate.derivative for rate in rates),
-        derivatives=elements(rates),
+        rates=elements(rates),
         indicators=len(elements(unknown.variable for unknown in model.eventIndicators))
         if fmi3
         else int(model.numberOfEventIndicators or 0),

@@ -43,7 +43,7 @@ from .model_exchange import (
     Call,
     Model,
     load_models,
-    plan_exchange,
+    plan_whole,
 )
 
 TOLERANCE = 1e-8
@@ -80,7 +80,7 @@ def monolith(
     """
     begin = clock.perf_counter()
     grid, notes = make_grid(duration, sample, start)
-    plan = plan_exchange(system, record)
+    plan = plan_whole(system, record)
     refuse_loops(plan)
     with ExitStack() as stack:
         models = load_models(system, plan, stack, start, grid.stop, listener(logger))

@@ -17,6 +17,7 @@ from coupled_mocks import oscillator
 from native_slaves import FIXED, archive, body, description, variable
 from test_checkpoint import interrupted_at, wheelset_on_truck
 
+import orchestrator
 from orchestrator import (
     Component,
     OrchestratorError,
@@ -203,3 +204,38 @@ def test_worker_dies_with_its_parent_even_when_that_is_killed(tmp_path, fmu, kin
     while Path(f"/proc/{worker}").exists() and time.monotonic() < until:
         time.sleep(0.05)
     assert not Path(f"/proc/{worker}").exists()
+
+
+def test_compiled_code_that_is_kept_follows_the_constants_of_other_modules(fmu, tmp_path):
+    """A slot of the shared memory moves in a copy of the package: the next run knows."""
+    package = tmp_path / "orchestrator"
+    shutil.copytree(
+        Path(orchestrator.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__")
+    )
+    code = (
+        "from pathlib import Path\n"
+        "from orchestrator import Component, System, simulate\n"
+        f"system = System({{'odd': Component(Path({str(fmu)!r}), {{'at': 9.0}})}})\n"
+        "run = simulate(system, duration=0.03, step=0.01, isolate=['odd'], self_test=False,\n"
+        "               compiled=False)\n"
+        "print(run.message, *run.dataset['odd.y'].values)\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path)}
+
+    def run() -> str:
+        done = subprocess.run(
+            [sys.executable, "-c", code], env=environment, capture_output=True, text=True
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    before = run()
+    assert before.startswith("None ")
+    said = package / "slaves" / "isolated" / "protocol.py"
+    text = said.read_text()
+    moved = text.replace("\nHEAD = 16\n", "\nHEAD = 24\n").replace(
+        "FAILED, STATUS, FAILED_CALL, USED,", "FAILED, USED, FAILED_CALL, STATUS,"
+    )
+    assert moved != text
+    said.write_text(moved)
+    assert run() == before

@@ -17,6 +17,8 @@ from orchestrator import (
     describe,
     simulate,
 )
+from orchestrator.slaves.abi import DIRECTIONAL
+from orchestrator.slaves.loading import load, unzip
 
 INTEGERS = [name for name in TYPES if "Int" in name]
 
@@ -191,17 +193,13 @@ def test_inputs_move_along_a_line_in_both_versions(three):
 
 
 def test_directional_derivatives_of_array_elements(three):
-    from orchestrator.slaves import calls as ffi
-    from orchestrator.slaves.fmi3 import Fmi3Slave
-    from orchestrator.slaves.loading import unzip
-
     description = describe(three)
-    slave = Fmi3Slave("a", description, unzip(three, description, three.parent / "unzipped"))
+    slave = load("a", description, unzip(three, description, three.parent / "unzipped"), None)
     unknown = np.array([description.variables[n].reference for n in ("w[3]", "w[1]")], np.uint32)
     known = np.array([description.variables[n].reference for n in ("v[1]", "v[3]")], np.uint32)
     seed, result = np.array([10.0, 100.0]), np.zeros(2)
-    status = ffi.directional(
-        slave.addresses.directional, slave.addresses.instance, unknown.ctypes.data, 2,
+    status = slave.call(
+        DIRECTIONAL, unknown.ctypes.data, 2,
         known.ctypes.data, 2, seed.ctypes.data, result.ctypes.data,
     )  # fmt: skip
     slave.close()

@@ -21,7 +21,7 @@ from numba.extending import intrinsic, register_jitable
 
 from ...plan.plan import Plan
 from ...slaves.base import Slave
-from ...slaves.calls import _call as call
+from ...slaves.calls import call
 from ...slaves.fmu import address_of
 from ..base import Prepared
 from .tables import (

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from numba import cfunc
+from ...slaves.compiled import c_function
 
 
-@cfunc("int32()", cache=True)
+@c_function("int32()")
 def _idle() -> int:
     return 0
 
 
 def address_of_idle() -> int:
     """Address of a C function that returns 0 at once, whatever it is called with."""
-    address = _idle.address
-    assert address is not None
-    return address
+    return _idle.address

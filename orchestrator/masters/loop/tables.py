@@ -38,20 +38,10 @@ Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
 References = NDArray[np.uint32]
 
-NOTHING, SET, SET_RATES, STEP, GET, DERIVE, SAVE, RESTORE, NOT_FINITE, NOT_CONVERGED, LOOP = range(
+NOTHING, SET, GET, STEP, SET_RATES, DERIVE, SAVE, RESTORE, NOT_FINITE, NOT_CONVERGED, LOOP = range(
     11
 )
-"""What stopped a run; the numbers stand in `report[1]`."""
-
-CALLS = {
-    SET: "fmi2SetReal",
-    SET_RATES: "fmi2SetRealInputDerivatives",
-    STEP: "fmi2DoStep",
-    GET: "fmi2GetReal",
-    DERIVE: "fmi2GetDirectionalDerivative",
-    SAVE: "fmi2GetFMUstate",
-    RESTORE: "fmi2SetFMUstate",
-}
+"""What stopped a run; the numbers stand in `report[1]`. Calls have those of `slaves.abi`."""
 
 
 LOOP_PASSES, LOOP_TOLERANCE = 100, 1e-10
@@ -64,7 +54,7 @@ def macro_loop(function: Callable[..., None]) -> Any:
     References are not counted, since nothing is allocated: for tables of some hundred arrays that
     would cost more than the FMUs' own work.
     """
-    with kept() as keep:
+    with kept(function) as keep:
         options: dict[str, Any] = {"cache": keep, "nogil": True, "_nrt": False}
         compiled = njit(**options)(function)
     return saved_if_there_is_room(compiled) if keep else compiled

@@ -6,21 +6,9 @@ import numpy as np
 from numba import carray
 from numba.extending import register_jitable
 
-from ..calls import _call as call
-from .memory import (
-    EXACT,
-    F8,
-    HEAD,
-    I8,
-    KIND,
-    LANE,
-    U1,
-    U4,
-    VARIABLE,
-    load,
-    pointer,
-    save,
-)
+from ..calls import call
+from ..memory import EXACT, F8, I8, U1, U4, load, pointer, save
+from .records import HEAD, KIND, LANE, VARIABLE
 
 DISCARD, ERROR = 2, 3
 STUCK = 100

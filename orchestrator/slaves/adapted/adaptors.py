@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import carray, cfunc, int32
+from numba import carray, int32
 from numba.extending import register_jitable
 
-from ..calls import _call as call
-from ..compiled import kept
+from ..calls import call
+from ..compiled import Adaptors, c_function
+from ..memory import F8, U1, U4, pointer
 from .access import (
     DISCARD,
     ERROR,
@@ -23,15 +24,7 @@ from .access import (
     set_lanes,
     update_discrete,
 )
-from .memory import (
-    DIFFERENCE,
-    F8,
-    LANE,
-    U1,
-    U4,
-    VARIABLE,
-    pointer,
-)
+from .records import DIFFERENCE, LANE, VARIABLE
 
 OK = 0
 
@@ -142,25 +135,17 @@ def _gather(head, references, count, known):
     return found, size
 
 
-def _compiled(signature: str) -> Any:
-    def compile_(function: Any) -> Any:
-        with kept() as keep:
-            try:
-                return cfunc(signature, cache=keep)(function)
-            except OSError:  # a full disk
-                return cfunc(signature)(function)
-
-    return compile_
+adaptors = Adaptors()
 
 
-@_compiled("int32(int64, int64, int64, int64)")
-def get(instance, references, count, values):
+@adaptors
+def get_real(instance, references, count, values):
     """fmi2GetReal over lanes."""
     return int32(get_lanes(head_of(instance), references, count, values))
 
 
-@_compiled("int32(int64, int64, int64, int64)")
-def set_(instance, references, count, values):
+@adaptors
+def set_real(instance, references, count, values):
     """fmi2SetReal over lanes."""
     head = head_of(instance)
     if head.interpolates:
@@ -172,7 +157,7 @@ def set_(instance, references, count, values):
     return int32(set_lanes(head, references, count, values))
 
 
-@_compiled("int32(int64, int64, int64, int64, int64)")
+@adaptors
 def set_rates(instance, references, count, orders, values):
     """fmi2SetRealInputDerivatives over lanes; all orders are 1."""
     head = head_of(instance)
@@ -195,7 +180,7 @@ def set_rates(instance, references, count, orders, values):
     return int32(OK)
 
 
-@_compiled("int32(int64, float64, float64, int32)")
+@adaptors
 def do_step(instance, time, step, no_return):
     """fmi2DoStep of any instance."""
     head = head_of(instance)
@@ -212,7 +197,7 @@ def do_step(instance, time, step, no_return):
     return int32(status)
 
 
-@_compiled("int32(int64, int64, int64, int64, int64, int64, int64)")
+@adaptors
 def directional(instance, unknowns, unknown_count, knowns, known_count, seed, result):
     """fmi2GetDirectionalDerivative over lanes."""
     head = head_of(instance)
@@ -253,14 +238,14 @@ def directional(instance, unknowns, unknown_count, knowns, known_count, seed, re
     return int32(status)
 
 
-@_compiled("int32(int64, int64)")
+@adaptors
 def get_state(instance, state):
     """fmi2GetFMUstate of any instance."""
     head = head_of(instance)
     return call(head.get_state, (head.instance, state))
 
 
-@_compiled("int32(int64, int64)")
+@adaptors
 def set_state(instance, state):
     """fmi2SetFMUstate of any instance."""
     head = head_of(instance)
@@ -269,7 +254,7 @@ def set_state(instance, state):
     return call(head.set_state, (head.instance, state))
 
 
-@_compiled("void(int64, float64, uint8, uint8, uint8, uint8, int64, int64)")
+@c_function("void(int64, float64, uint8, uint8, uint8, uint8, int64, int64)")
 def intermediate_update(
     environment, time, may_set, may_get, finished, may_return, early_return, early_time
 ):

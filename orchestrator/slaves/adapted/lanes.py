@@ -1,8 +1,12 @@
-"""The tables behind an instance that is called through adaptors: its variables, kinds and lanes."""
+"""The tables behind an instance that is called through adaptors: its variables, kinds and lanes.
+
+A lane is a number that masters couple, as a double, whatever it is in the FMU: of another type, an
+element of an array, in another unit. The tables are handed to compiled code by their addresses.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,45 +16,23 @@ from ...fmu.description import (
     Description,
     Variable,
 )
-from ..abi import Addresses
-from . import (
-    adaptors,
-    memory,
-)
+from ...fmu.types import TYPES
+from .. import memory
+from ..abi import FUNCTIONS, Addresses
+from .adaptors import adaptors, intermediate_update
+from .records import DIFFERENCE, HEAD, KIND, LANE, VARIABLE
 
-FMI2 = {
-    "real": ("f8", "fmi2GetReal", "fmi2SetReal"),
-    "integer": ("i4", "fmi2GetInteger", "fmi2SetInteger"),
-    "enumeration": ("i4", "fmi2GetInteger", "fmi2SetInteger"),
-    "boolean": ("i4", "fmi2GetBoolean", "fmi2SetBoolean"),
-}
-"""Type in memory, and functions, of each kind of variable in FMI 2.0."""
-
-FMI3 = {
-    "Float64": "f8", "Float32": "f4", "Int8": "i1", "UInt8": "u1", "Int16": "i2", "UInt16": "u2",
-    "Int32": "i4", "UInt32": "u4", "Int64": "i8", "UInt64": "u8", "Boolean": "u1",
-}  # fmt: skip
-"""Type in memory of each type of FMI 3.0, whose functions are named after it."""
-
-FUNCTIONS = {
-    2: {
-        "do_step": "fmi2DoStep",
-        "set_rates": "fmi2SetRealInputDerivatives",
-        "directional": "fmi2GetDirectionalDerivative",
-        "get_state": "fmi2GetFMUstate",
-        "set_state": "fmi2SetFMUstate",
-    },
+_OTHERS = ("do_step", "set_rates", "directional", "get_state", "set_state")
+HEAD_FUNCTIONS = {
+    2: {name: FUNCTIONS[name].fmi2 for name in _OTHERS},
     3: {
-        "do_step": "fmi3DoStep",
-        "directional": "fmi3GetDirectionalDerivative",
-        "get_state": "fmi3GetFMUState",
-        "set_state": "fmi3SetFMUState",
+        **{name: FUNCTIONS[name].fmi3 for name in _OTHERS if name != "set_rates"},
         "enter_event": "fmi3EnterEventMode",
         "update_discrete": "fmi3UpdateDiscreteStates",
         "enter_step": "fmi3EnterStepMode",
     },
 }
-"""Fields of the head, and the FMU's functions whose addresses they hold."""
+"""Fields of the head, and the FMU's functions whose addresses they hold, by version of FMI."""
 
 
 class Lanes:
@@ -58,21 +40,34 @@ class Lanes:
 
     def __init__(self, description: Description) -> None:
         self._description = description
-        version = int(description.fmi_version[0])
-        own = [v for v in description.variables.values() if v.lane and not v.lane.difference_of]
-        made = [v for v in description.variables.values() if v.lane and v.lane.difference_of]
-        self._kinds = dict.fromkeys(_kind(v, version) for v in own)
+        with_lanes = [v for v in description.variables.values() if v.lane]
+        own = [v for v in with_lanes if v.lane and not v.lane.difference_of]
+        self._kept: list[NDArray[Any]] = []  # buffers that only the tables know
+        self._kinds = list(dict.fromkeys(_kind(v, description.fmi_version) for v in own))
+        stored = self._number(own)
+        self._store(stored)
+        self._differentiate([v for v in with_lanes if v.lane and v.lane.difference_of])
+        self._references = np.full(len(description.variables), -1, np.int64)
+        for v in own:
+            if _is_double(v, description):
+                self._references[v.reference] = v.value_reference
+        self._head = np.zeros(1, HEAD)
+        for name, value in self._fields(sum(stored)).items():
+            self._head[name] = value
+        self.address: int = self._head.ctypes.data
+
+    def _number(self, own: Sequence[Variable]) -> list[int]:
+        """Number the FMU's variables and lanes; by kind, how many numbers are to be stored."""
         numbers = {kind: n for n, kind in enumerate(self._kinds)}
         variables: dict[tuple[int, int], int] = {}
-        count = len(description.variables)
-        self._lane = np.zeros(count, memory.LANE)
+        self._lane = np.zeros(len(self._description.variables), LANE)
         self._lane["gain"] = 1.0
         self._lane["variable"] = -1
         rows: list[tuple[int, ...]] = []
         stored = [0] * len(numbers)
         for v in own:
             assert v.lane is not None
-            kind = numbers[_kind(v, version)]
+            kind = numbers[_kind(v, self._description.fmi_version)]
             key = (kind, v.value_reference)
             if key not in variables:
                 variables[key] = len(rows)
@@ -84,9 +79,12 @@ class Lanes:
             self._lane[v.reference] = (
                 variables[key], v.lane.element, v.lane.gain, v.lane.offset, 0.0, 0.0,
             )  # fmt: skip
-        self._variable = np.array(rows, memory.VARIABLE)
-        self._kind = np.zeros(len(numbers), memory.KIND)
-        self._kept: list[NDArray[Any]] = []  # buffers that only the tables know
+        self._variable = np.array(rows, VARIABLE)
+        return stored
+
+    def _store(self, stored: Sequence[int]) -> None:
+        """Make the stores and buffers of all kinds."""
+        self._kind = np.zeros(len(self._kinds), KIND)
         self.stores: list[NDArray[Any]] = []
         for n, (memory_type, _, _, low, high) in enumerate(self._kinds):
             type_ = np.dtype(memory_type)
@@ -95,19 +93,21 @@ class Lanes:
             self._kind[n]["low"], self._kind[n]["high"] = low, high
             self._kind[n]["store"] = self.stores[n].ctypes.data
             self._kind[n]["buffer"] = self._room(stored[n], type_)
-            self._kind[n]["references"] = self._room(len(rows), np.uint32)
-        self._difference = np.zeros(len(made), memory.DIFFERENCE)
+            self._kind[n]["references"] = self._room(len(self._variable), np.uint32)
+
+    def _differentiate(self, made: Sequence[Variable]) -> None:
+        """Have the rates that the FMU does not give."""
+        self._difference = np.zeros(len(made), DIFFERENCE)
         for row, v in zip(self._difference, made, strict=True):
             assert v.lane is not None
             row["lane"] = v.reference
-            row["source"] = description.variables[v.lane.difference_of].reference
-        self._references = np.full(count, -1, np.int64)
-        for v in own:
-            if _is_double(v, description):
-                self._references[v.reference] = v.value_reference
-        self._head = head = np.zeros(1, memory.HEAD)
-        elements = sum(stored)
-        fields = {
+            row["source"] = self._description.variables[v.lane.difference_of].reference
+
+    def _fields(self, elements: int) -> dict[str, int]:
+        """Fields of the head, where they are not 0; elements: numbers in all stores."""
+        description, count = self._description, len(self._description.variables)
+        version = int(description.fmi_version[0])
+        return {
             "version": version,
             "lanes": self._lane.ctypes.data,
             "variables": self._variable.ctypes.data,
@@ -115,14 +115,14 @@ class Lanes:
             "kind_count": len(self._kinds),
             "references": self._references.ctypes.data,
             "request": self._room(count, np.uint32),
-            "touched": self._room(len(rows), np.int64),
+            "touched": self._room(len(self._variable), np.int64),
             "event_mode": int(description.has_events),
             "flags": self._room(2, np.float64),
             "interpolates": int(version == 3 and description.interpolates_inputs),
             "moving": self._room(count, np.uint32),
             "moving_value": self._room(count, np.float64),
             "differences": self._difference.ctypes.data,
-            "difference_count": len(made),
+            "difference_count": len(self._difference),
             "unknowns": self._room(count, np.uint32),
             "knowns": self._room(count, np.uint32),
             "seed": self._room(elements, np.float64),
@@ -130,29 +130,22 @@ class Lanes:
             "refused": -1,
             "rounded": -1,
         }
-        for name, value in fields.items():
-            head[name] = value
-        self.address: int = head.ctypes.data
 
     def bind(self, instance: int, function: Callable[[str], int]) -> Addresses:
         """Take an instance, and its FMU's functions by name; what masters are to call."""
         self._head["instance"] = instance
-        for field, name in FUNCTIONS[int(self._head["version"][0])].items():
+        for field, name in HEAD_FUNCTIONS[int(self._head["version"][0])].items():
             self._head[field] = function(name)
         for row, (_, getter, setter, _, _) in zip(self._kind, self._kinds, strict=True):
             row["get"], row["set"] = function(getter), function(setter)
             if row["type"] == 0:
                 self._head["get_double"], self._head["set_double"] = row["get"], row["set"]
-        return Addresses(
-            self.address,
-            adaptors.set_.address,
-            adaptors.get.address,
-            adaptors.do_step.address,
-            adaptors.set_rates.address,
-            adaptors.directional.address,
-            adaptors.get_state.address,
-            adaptors.set_state.address,
-        )
+        return adaptors.in_front_of(self.address)
+
+    @property
+    def intermediate_update(self) -> int:
+        """Address of the callback that FMI 3.0 has for times within a step."""
+        return intermediate_update.address
 
     def begin_stepping(self) -> None:
         """From here on discrete inputs change in event mode, where there is one."""
@@ -228,13 +221,10 @@ def _is_double(variable: Variable, description: Description) -> bool:
     return variable.type in ("Real", "Float64") and not (changed or discrete)
 
 
-def _kind(variable: Variable, version: int) -> tuple[str, str, str, float, float]:
+def _kind(variable: Variable, version: str) -> tuple[str, str, str, float, float]:
     """Type in memory, functions, and range of a variable's values."""
-    if version == 2:
-        memory_type, getter, setter = FMI2[variable.kind]
-    else:
-        name = "Int64" if variable.type == "Enumeration" else variable.type
-        memory_type, getter, setter = FMI3[name], f"fmi3Get{name}", f"fmi3Set{name}"
+    name, memory_type = TYPES[variable.type].access(version)
+    getter, setter = (f"fmi{version[0]}{verb}{name}" for verb in ("Get", "Set"))
     if variable.kind == "boolean":
         return memory_type, getter, setter, 0.0, 1.0
     if memory_type.startswith("f"):

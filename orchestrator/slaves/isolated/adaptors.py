@@ -1,196 +1,178 @@
-"""FMI 2.0's functions over doubles, carried out by a worker; their instance is a shared block.
+"""The functions of `abi`, carried out by a worker; their instance is the memory shared with it.
 
-Setting and stepping wait until something is asked for, so that a macro step takes few exchanges.
-A status is therefore that of the first call that failed since the last one; the block says which.
+Setting and stepping wait until something is asked for, so that a macro step takes few exchanges of
+signals. A status is therefore that of the first call that failed since the last one; the memory
+says which. It is walked by address, since compiled code is given nothing else for an instance.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import carray, cfunc, int32
+from numba import carray, int32, int64
 from numba.extending import register_jitable
 
-from ..calls import _call as call
-from . import block as b
+from ..abi import (
+    DIRECTIONAL,
+    DO_STEP,
+    FUNCTIONS,
+    GET_REAL,
+    GET_STATE,
+    SET_RATES,
+    SET_REAL,
+    SET_STATE,
+    Argument,
+    Function,
+    Role,
+)
+from ..calls import call
+from ..compiled import Adaptors
+from ..memory import I8, U4, bits, pointer
+from . import protocol as p
 
 OK, ERROR, FATAL = 0, 3, 4
+NUMBER, RESULT, BOTH = Role.NUMBER.value, Role.RESULT.value, Role.BOTH.value
+
+
+def _by_argument(said: Callable[[Function, Argument], int]) -> Any:
+    """What is said of each argument: by number of the function, and place of the argument."""
+    table = np.zeros((len(FUNCTIONS) + 1, max(len(f.arguments) for f in FUNCTIONS.values())), int)
+    for code, function in enumerate(FUNCTIONS.values(), start=1):
+        for n, argument in enumerate(function.arguments):
+            table[code, n] = said(function, argument)
+    return table
+
+
+ROLE = _by_argument(lambda _, argument: argument.role.value)
+WORDS = _by_argument(lambda _, argument: argument.words)
+COUNT = _by_argument(lambda function, argument: function.place(argument.count))
+ANSWERS = np.array([False, *(function.answers for function in FUNCTIONS.values())])
 
 
 @register_jitable
-def _exchange(block):
+def _signal(slots):
     """Have the worker carry out what is waiting; the status."""
-    if block[b.FAILED] != 0:
+    if slots[p.FAILED] != 0:
         return FATAL
-    byte = block[b.BYTE]
-    if call(block[b.SEND], (block[b.SOCKET], byte, 1, 0)) != 1:
-        block[b.FAILED] = b.CRASHED
+    byte = slots[p.BYTE]
+    if call(slots[p.SEND], (slots[p.SOCKET], byte, 1, 0)) != 1:
+        slots[p.FAILED] = p.CRASHED
         return FATAL
     ready = -1
     while ready < 0:  # a signal interrupts
-        ready = call(block[b.POLL], (block[b.POLLED], 1, block[b.TIMEOUT]))
+        ready = call(slots[p.POLL], (slots[p.POLLED], 1, slots[p.TIMEOUT]))
     if ready == 0:
-        block[b.FAILED] = b.HUNG
+        slots[p.FAILED] = p.HUNG
         return FATAL
-    if call(block[b.RECEIVE], (block[b.SOCKET], byte, 1, 0)) != 1:
-        block[b.FAILED] = b.CRASHED
+    if call(slots[p.RECEIVE], (slots[p.SOCKET], byte, 1, 0)) != 1:
+        slots[p.FAILED] = p.CRASHED
         return FATAL
-    return block[b.STATUS]
+    return slots[p.STATUS]
 
 
 @register_jitable
-def _room(block, slots):
-    """Have room for another command; the status."""
-    if slots > block[b.CAPACITY]:
-        return ERROR
-    if block[b.USED] + slots > block[b.CAPACITY]:
-        return _exchange(block)
-    return OK
+def _words(code, arguments, n):
+    """Words of 4 bytes of an array."""
+    count = COUNT[code, n]
+    return WORDS[code, n] * (arguments[count] if count >= 0 else 1)
 
 
 @register_jitable
-def _begin(block, code, count, other):
-    """The first slot of a new command behind its code and counts."""
-    place = b.HEAD + block[b.USED]
-    block[place] = code
-    block[place + 1] = count
-    block[place + 2] = other
-    return place + 3
+def _copy(source, target, words):
+    given, taken = carray(pointer(source), words, U4), carray(pointer(target), words, U4)
+    for n in range(words):
+        taken[n] = given[n]
 
 
 @register_jitable
-def _words(instance, place, given, count):
-    """Copy numbers of 4 bytes; the slot behind them."""
-    source = carray(given, count, np.uint32)
-    target = carray(instance, 1, np.uint32)
-    for n in range(count):
-        target[2 * place + n] = source[n]
-    return place + (count + 1) // 2
+def _slots_of(code, arguments):
+    """Slots that a command takes."""
+    slots = 1
+    for n in range(len(arguments)):
+        if ROLE[code, n] == NUMBER:
+            slots += 1
+        elif ROLE[code, n] != RESULT:
+            slots += (_words(code, arguments, n) + 1) // 2
+    return slots
 
 
 @register_jitable
-def _numbers(instance, place, given, count):
-    """Copy doubles; the slot behind them."""
-    source = carray(given, count, np.float64)
-    target = carray(instance, 1, np.float64)
-    for n in range(count):
-        target[place + n] = source[n]
-    return place + count
+def _write(memory, slots, code, arguments):
+    """Put a command behind those that wait."""
+    place = p.HEAD + slots[p.USED]
+    slots[place] = code
+    place += 1
+    for n in range(len(arguments)):
+        if ROLE[code, n] == NUMBER:
+            slots[place] = arguments[n]
+            place += 1
+    for n in range(len(arguments)):
+        if ROLE[code, n] != NUMBER and ROLE[code, n] != RESULT:
+            words = _words(code, arguments, n)
+            _copy(arguments[n], memory + 8 * place, words)
+            place += (words + 1) // 2
+    slots[p.USED] = place - p.HEAD
 
 
 @register_jitable
-def _fetch(instance, block, values, count):
-    """Copy the result of the last command."""
-    source = carray(instance, 1, np.float64)
-    target = carray(values, count, np.float64)
-    first = b.HEAD + block[b.CAPACITY]
-    for n in range(count):
-        target[n] = source[first + n]
+def _command(memory, code, arguments):
+    """Have the worker call a function, now or when something is asked for; the status."""
+    slots = carray(pointer(memory), 1, I8)
+    status = OK
+    needed = _slots_of(code, arguments)
+    if needed > slots[p.CAPACITY]:
+        return int32(ERROR)
+    if slots[p.USED] + needed > slots[p.CAPACITY]:
+        status = _signal(slots)
+    if status > 1 or slots[p.FAILED] != 0:
+        return int32(max(status, ERROR))
+    _write(memory, slots, code, arguments)
+    if ANSWERS[code]:
+        status = max(status, _signal(slots))
+        for n in range(len(arguments)):
+            if status <= 1 and (ROLE[code, n] == RESULT or ROLE[code, n] == BOTH):
+                result = memory + 8 * (p.HEAD + slots[p.CAPACITY])
+                _copy(result, arguments[n], _words(code, arguments, n))
+    return int32(status)
 
 
-@cfunc("int32(voidptr, voidptr, int64, voidptr)", cache=True)
+adaptors = Adaptors()
+
+
+@adaptors
 def set_real(instance, references, count, values):
-    block = carray(instance, 1, np.int64)
-    status = _room(block, 4 + 2 * count)
-    if status > 1 or block[b.FAILED] != 0:
-        return int32(max(status, ERROR))
-    place = _begin(block, b.SET_REAL, count, 0)
-    place = _words(instance, place, references, count)
-    block[b.USED] = _numbers(instance, place, values, count) - b.HEAD
-    return int32(status)
+    return _command(instance, SET_REAL, (references, count, values))
 
 
-@cfunc("int32(voidptr, voidptr, int64, voidptr, voidptr)", cache=True)
-def set_rates(instance, references, count, orders, values):
-    block = carray(instance, 1, np.int64)
-    status = _room(block, 5 + 2 * count)
-    if status > 1 or block[b.FAILED] != 0:
-        return int32(max(status, ERROR))
-    place = _begin(block, b.SET_RATES, count, 0)
-    place = _words(instance, place, references, count)
-    place = _words(instance, place, orders, count)
-    block[b.USED] = _numbers(instance, place, values, count) - b.HEAD
-    return int32(status)
-
-
-@cfunc("int32(voidptr, voidptr, int64, voidptr)", cache=True)
+@adaptors
 def get_real(instance, references, count, values):
-    block = carray(instance, 1, np.int64)
-    status = _room(block, 4 + count)
-    if status <= 1:
-        place = _begin(block, b.GET_REAL, count, 0)
-        block[b.USED] = _words(instance, place, references, count) - b.HEAD
-        status = max(status, _exchange(block))
-    if status <= 1:
-        _fetch(instance, block, values, count)
-    return int32(status)
+    return _command(instance, GET_REAL, (references, count, values))
 
 
-@cfunc("int32(voidptr, float64, float64, int32)", cache=True)
+@adaptors
 def do_step(instance, time, step, no_return):
-    block = carray(instance, 1, np.int64)
-    status = _room(block, 5)
-    if status > 1 or block[b.FAILED] != 0:
-        return int32(max(status, ERROR))
-    place = _begin(block, b.DO_STEP, no_return, 0)
-    numbers = carray(instance, 1, np.float64)
-    numbers[place] = time
-    numbers[place + 1] = step
-    block[b.USED] = place + 2 - b.HEAD
-    return int32(status)
+    return _command(instance, DO_STEP, (bits(time), bits(step), int64(no_return)))
 
 
-@cfunc("int32(voidptr, voidptr, int64, voidptr, int64, voidptr, voidptr)", cache=True)
+@adaptors
+def set_rates(instance, references, count, orders, values):
+    return _command(instance, SET_RATES, (references, count, orders, values))
+
+
+@adaptors
 def directional(instance, unknowns, unknown_count, knowns, known_count, seed, result):
-    block = carray(instance, 1, np.int64)
-    status = _room(block, 5 + unknown_count + 2 * known_count)
-    if status <= 1:
-        place = _begin(block, b.DIRECTIONAL, unknown_count, known_count)
-        place = _words(instance, place, unknowns, unknown_count)
-        place = _words(instance, place, knowns, known_count)
-        block[b.USED] = _numbers(instance, place, seed, known_count) - b.HEAD
-        status = max(status, _exchange(block))
-    if status <= 1:
-        _fetch(instance, block, result, unknown_count)
-    return int32(status)
+    arguments = (unknowns, unknown_count, knowns, known_count, seed, result)
+    return _command(instance, DIRECTIONAL, arguments)
 
 
-@cfunc("int32(voidptr, voidptr)", cache=True)
+@adaptors
 def get_state(instance, state):
     """The state is the worker's; here it is a number to hand back."""
-    block = carray(instance, 1, np.int64)
-    held = carray(state, 1, np.int64)
-    status = _room(block, 4)
-    if status <= 1:
-        place = _begin(block, b.GET_STATE, 0, 0)
-        block[place] = held[0]
-        block[b.USED] = place + 1 - b.HEAD
-        status = max(status, _exchange(block))
-    if status <= 1:
-        held[0] = block[b.HEAD + block[b.CAPACITY]]
-    return int32(status)
+    return _command(instance, GET_STATE, (state,))
 
 
-@cfunc("int32(voidptr, int64)", cache=True)
+@adaptors
 def set_state(instance, state):
-    block = carray(instance, 1, np.int64)
-    status = _room(block, 4)
-    if status > 1 or block[b.FAILED] != 0:
-        return int32(max(status, ERROR))
-    place = _begin(block, b.SET_STATE, 0, 0)
-    block[place] = state
-    block[b.USED] = place + 1 - b.HEAD
-    return int32(status)
-
-
-ADAPTORS: dict[str, Any] = {
-    "set_real": set_real,
-    "get_real": get_real,
-    "do_step": do_step,
-    "set_rates": set_rates,
-    "directional": directional,
-    "get_state": get_state,
-    "set_state": set_state,
-}
-"""The functions by their names in `Addresses`."""
+    return _command(instance, SET_STATE, (state,))

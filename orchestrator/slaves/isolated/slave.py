@@ -30,13 +30,15 @@ from ...fmu.description import (
     Variable,
 )
 from ...system.system import Value
-from ..abi import Addresses
+from ..abi import NAMES
 from ..base import (
     Slave,
     Status,
 )
+from ..fmu import address_of
 from ..listener import Listener
-from . import block as b
+from . import protocol as p
+from .adaptors import adaptors
 
 KEPT = 2000
 """Characters of what an FMU prints that are kept, the last ones."""
@@ -65,9 +67,8 @@ class IsolatedSlave(Slave):
         self._timeout = timeout
         self._printed = b""
         self._heard_lines = 0
-        self._called: dict[str, str] = {}
         self._remarks: list[str] = []
-        self._doing = "loading it"
+        self._doing = p.REQUESTS["load"]
         self._signals, theirs = socket.socketpair()
         control, their_control = socket.socketpair()
         self._control = Connection(control.detach())
@@ -98,56 +99,53 @@ class IsolatedSlave(Slave):
     def ready(self) -> None:
         """Wait until the FMU is loaded; raises SlaveError."""
         try:
-            self._answer(START)  # it has the block
-            self._called, _ = self._answer(max(START, self._timeout))
+            self._answer(START)  # it has the memory
+            self._answer(max(START, self._timeout))
         finally:
-            self._block.unlink(missing_ok=True)
+            self._file.unlink(missing_ok=True)
         self._doing = ""
 
     def set_value(self, variable: Variable, value: Value) -> None:
-        self._do(f"setting {variable.name}", "set_value", variable, value)
+        self._do("set_value", variable, value)
 
     def start(self, time: float, stop: float) -> None:
-        self._do("entering initialization", "start", time, stop)
+        self._do("start", time, stop)
 
     def begin_stepping(self) -> None:
-        self._do("leaving initialization", "begin_stepping")
+        self._do("begin_stepping")
 
     def state(self) -> bytes:
-        return self._do("serializing its state", "state")[1]
+        return self._do("state")[1]
 
     def restore(self, state: bytes) -> None:
-        self._do("restoring its state", "restore", state)
+        self._do("restore", state)
 
     def close(self) -> None:
-        if not self._slots[b.FAILED]:
+        if not self._slots[p.FAILED]:
             with suppress(SlaveError):  # an instance that failed may refuse
-                self._remarks, _ = self._do("remarking", "remarks")
-                self._do("terminating it", "close")
+                self._remarks, _ = self._do("remarks")
+                self._do("close")
         self._end()
         self._signals.close()
         self._control.close()
 
     def debug(self, categories: Sequence[str]) -> None:
-        self._do("choosing what to log", "debug", categories)
+        self._do("debug", categories)
 
     def get_texts(self, variables: Sequence[Variable]) -> list[str]:
-        return self._do("reading texts", "get_texts", variables)[0]
+        return self._do("get_texts", variables)[0]
 
     def set_texts(self, variables: Sequence[Variable], texts: Sequence[str]) -> None:
-        self._do("setting texts", "set_texts", variables, texts)
-
-    def called(self, function: str) -> str:
-        return self._called.get(function, function)
+        self._do("set_texts", variables, texts)
 
     def complaint(self) -> str:
-        return "" if self._slots[b.FAILED] else self._do("complaining", "complaint")[0]
+        return "" if self._slots[p.FAILED] else self._do("complaint")[0]
 
     def remarks(self) -> list[str]:
         return self._remarks
 
     def has_ended(self) -> bool:
-        return not self._slots[b.FAILED] and self._do("ending the run", "has_ended")[0]
+        return not self._slots[p.FAILED] and self._do("has_ended")[0]
 
     def said(self) -> str:
         self._catch_up()
@@ -158,17 +156,20 @@ class IsolatedSlave(Slave):
         last = next((line.strip() for line in reversed(lines) if line.strip()), "")
         return f": it printed '{last[-200:]}'" if last else ""
 
-    def fault(self, function: str, status: int) -> str:
-        code = int(self._slots[b.CALL])
-        doing = self._doing or self.called(b.CALLED.get(code, function))
-        if self._slots[b.FAILED] == b.HUNG:
+    def fault(self, function: int, status: int) -> str:
+        doing = self._doing or self.called(self._function(p.CALL, function))
+        if self._slots[p.FAILED] == p.HUNG:
             self._end()
             return f"its process did not return from {doing} within {self._timeout:g} s"
-        if self._slots[b.FAILED]:
+        if self._slots[p.FAILED]:
             self._end()
             return f"its process crashed in {doing} ({cause(self._process.returncode)})"
-        failed = b.CALLED.get(int(self._slots[b.FAILED_CALL]), function)
-        return super().fault(failed, status)
+        return super().fault(self._function(p.FAILED_CALL, function), status)
+
+    def _function(self, slot: int, otherwise: int) -> int:
+        """The function whose number stands in a slot of the head."""
+        number = int(self._slots[slot])
+        return number if 0 < number < len(NAMES) else otherwise
 
     def _reals(
         self, function: int, variables: Sequence[Variable], values: NDArray[np.float64], verb: str
@@ -176,46 +177,36 @@ class IsolatedSlave(Slave):
         try:
             super()._reals(function, variables, values, verb)
         except SlaveError:
-            if not self._slots[b.FAILED]:
+            if not self._slots[p.FAILED]:
                 raise
             raise self._lost() from None
 
     def _share(self) -> None:
-        """Make the block, and let the worker have it."""
-        from .adaptors import ADAPTORS
-
+        """Make the memory, and let the worker have it."""
         variables = len(self.description.variables)
         descriptor, path = tempfile.mkstemp(prefix="tracktrain-")
-        os.truncate(descriptor, b.size(variables))
-        self._memory = mmap.mmap(descriptor, b.size(variables))
+        os.truncate(descriptor, p.size(variables))
+        self._memory = mmap.mmap(descriptor, p.size(variables))
         os.close(descriptor)
-        self._slots = np.frombuffer(self._memory, np.int64)
+        self._slots = slots = np.frombuffer(self._memory, np.int64)
         library = ctypes.CDLL(None)
-
-        def address(function: str) -> int:
-            return ctypes.cast(getattr(library, function), ctypes.c_void_p).value or 0
-
         self._scratch = np.zeros(2, np.int64)  # no business of the worker
         polled = np.frombuffer(self._scratch.data, np.int32)
         polled[2:] = self._signals.fileno(), select.POLLIN  # a struct pollfd
-        self._slots[b.CAPACITY] = b.capacity(variables)
-        self._slots[b.SOCKET] = self._signals.fileno()
-        self._slots[b.SEND], self._slots[b.RECEIVE] = address("send"), address("recv")
-        self._slots[b.POLL], self._slots[b.POLLED] = (
-            address("poll"),
-            self._scratch.ctypes.data + 8,
-        )
-        self._slots[b.BYTE] = self._scratch.ctypes.data
-        self._slots[b.TIMEOUT] = max(1, round(1e3 * self._timeout))
-        self.addresses = Addresses(
-            self._slots.ctypes.data, *(ADAPTORS[f].address for f in Addresses._fields[1:])
-        )
-        self._block = Path(path)
-        self._ask("attach", self._block)
+        slots[p.CAPACITY] = p.capacity(variables)
+        slots[p.SOCKET] = self._signals.fileno()
+        slots[p.SEND], slots[p.RECEIVE] = address_of(library, "send"), address_of(library, "recv")
+        slots[p.POLL] = address_of(library, "poll")
+        slots[p.POLLED] = self._scratch.ctypes.data + 8
+        slots[p.BYTE] = self._scratch.ctypes.data
+        slots[p.TIMEOUT] = max(1, round(1e3 * self._timeout))
+        self.addresses = adaptors.in_front_of(slots.ctypes.data)
+        self._file = Path(path)
+        self._ask("attach", self._file)
 
-    def _do(self, doing: str, method: str, *given: Any) -> tuple[Any, bytes]:
-        """Have the worker's slave do something; raises SlaveError."""
-        self._doing = doing
+    def _do(self, method: str, *given: Any) -> tuple[Any, bytes]:
+        """Have the worker's slave do something of `REQUESTS`; raises SlaveError."""
+        self._doing = p.REQUESTS[method].format(*given)
         self._ask(method, *given)
         answer = self._answer(self._timeout)
         self._doing = ""
@@ -226,31 +217,31 @@ class IsolatedSlave(Slave):
             self._signals.send(b"c")
             self._control.send((method, given))
         except OSError:
-            self._slots[b.FAILED] = b.CRASHED
+            self._slots[p.FAILED] = p.CRASHED
             raise self._lost() from None
 
     def _answer(self, timeout: float) -> tuple[Any, bytes]:
         try:
             if not self._control.poll(timeout):
-                self._slots[b.FAILED] = b.HUNG
+                self._slots[p.FAILED] = p.HUNG
                 raise self._lost()
             said, payload = json.loads(self._control.recv_bytes()), self._control.recv_bytes()
         except (EOFError, OSError):
-            self._slots[b.FAILED] = b.CRASHED
+            self._slots[p.FAILED] = p.CRASHED
             raise self._lost() from None
         if "error" in said:
             raise SlaveError(said["error"])
         return said["result"], payload
 
     def _lost(self) -> SlaveError:
-        fault = self.fault("", Status.FATAL)
+        fault = self.fault(0, Status.FATAL)
         return SlaveError(f"{self.name} ({self.description.label}): {fault}{self.said()}")
 
     def _end(self) -> None:
         """End the worker, if it did not end itself, and read the rest of what it said."""
         if self._process.stdin is not None and not self._process.stdin.closed:
             self._process.stdin.close()
-        if self._slots[b.FAILED] == b.HUNG:
+        if self._slots[p.FAILED] == p.HUNG:
             self._process.kill()
         try:
             self._process.wait(1.0)
@@ -284,7 +275,7 @@ class IsolatedSlave(Slave):
         """Wait until all that was logged has arrived."""
         until = time.monotonic() + 1.0
         while (
-            self._heard_lines < self._slots[b.LINES]
+            self._heard_lines < self._slots[p.LINES]
             and self._reader.is_alive()
             and time.monotonic() < until
         ):

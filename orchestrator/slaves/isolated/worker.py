@@ -1,6 +1,7 @@
 """The process of an isolated instance: loads the FMU, and does what it is told until told no more.
 
-It ends with the process that started it, however that ends. What the FMU prints goes to a pipe.
+Commands are read from shared memory by address: each hands the FMU its arrays where they are. It
+ends with the process that started it, however that ends. What the FMU prints goes to a pipe.
 """
 
 from __future__ import annotations
@@ -15,7 +16,10 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-from . import block as b
+from ...errors import OrchestratorError
+from ..abi import DO_STEP, FUNCTIONS, Function, Role
+from ..loading import load
+from . import protocol as p
 
 LONGEST = 4000
 """Characters of a message that are passed on."""
@@ -31,18 +35,18 @@ def main(signals: int, control: int, log: int) -> None:
 
 
 class Worker:
-    """One instance, and the block through which it is stepped."""
+    """One instance, and the memory through which it is stepped."""
 
     def __init__(self, signals: socket.socket, control: Connection, log: int) -> None:
         self._signals, self._control, self._log = signals, control, log
         self._slave: Any = None
         self._time: float | None = None
-        self._slots = memoryview(bytearray(8 * b.HEAD)).cast("q")
+        self._slots = memoryview(bytearray(8 * p.HEAD)).cast("q")
 
     def serve(self) -> None:
         """Answer until the other side is gone."""
         while (signal := self._signals.recv(1)) != b"":
-            if self._slots[b.USED]:
+            if self._slots[p.USED]:
                 self._carry_out()
             if signal == b"c":
                 self._answer()
@@ -50,15 +54,14 @@ class Worker:
                 self._signals.send(b"r")
 
     def _answer(self) -> None:
-        from ...errors import OrchestratorError
-
         method, given = self._control.recv()
         result: Any
         payload = b""
-        self._slots[b.CALL] = b.CONTROL
+        self._slots[p.CALL] = p.REQUEST
         try:
-            found = getattr(self, f"_{method}", None) or getattr(self._slave, method)
-            result = found(*given)
+            assert method in p.REQUESTS, method
+            own: dict[str, Any] = {"attach": self._attach, "load": self._load}
+            result = (own.get(method) or getattr(self._slave, method))(*given)
             if isinstance(result, bytes):
                 result, payload = None, result
             said = {"result": result}
@@ -76,67 +79,68 @@ class Worker:
         self._numbers = memoryview(self._memory).cast("d")
         self._address = ctypes.addressof(ctypes.c_char.from_buffer(self._memory))
 
-    def _load(self, name: str, description: Any, folder: Path) -> dict[str, str]:
-        from ..loading import load
-        from .prototypes import PROTOTYPES
-
+    def _load(self, name: str, description: Any, folder: Path) -> None:
         self._slave = load(name, description, folder, None)
         self._slave.heard = self._heard
-        addresses = self._slave.addresses._asdict()
-        self._instance = addresses.pop("instance")
-        self._functions = {
-            PROTOTYPES[function][0]: PROTOTYPES[function][1](address)
-            for function, address in addresses.items()
-            if address
-        }
-        return {function: self._slave.called(function) for function in b.CALLED.values()}
+        self._instance, *addresses = self._slave.addresses
+        self._calls = [
+            _Call(function, address)
+            for function, address in zip(FUNCTIONS.values(), addresses, strict=True)
+        ]
 
     def _heard(self, status: int, text: str) -> None:
         said = {"status": status, "text": text[:LONGEST], "time": self._time}
         line = json.dumps(said) + "\n"
         os.write(self._log, line.encode())
-        self._slots[b.LINES] += 1
+        self._slots[p.LINES] += 1
 
     def _carry_out(self) -> None:
-        slots, instance = self._slots, self._instance
-        place, end = b.HEAD, b.HEAD + slots[b.USED]
-        result = self._address + 8 * (b.HEAD + slots[b.CAPACITY])
+        """Carry out the commands that wait, until one fails."""
+        slots = self._slots
+        place, end = p.HEAD, p.HEAD + slots[p.USED]
         worst = status = 0
         while place < end and status <= 1:
-            code, count, other = slots[place : place + 3]
-            slots[b.CALL] = code
-            call = self._functions[code]
-            first = self._address + 8 * (place + 3)
-            words = (count + 1) // 2
-            if code == b.SET_REAL:
-                status = call(instance, first, count, first + 8 * words)
-                place += 3 + words + count
-            elif code == b.GET_REAL:
-                status = call(instance, first, count, result)
-                place += 3 + words
-            elif code == b.DO_STEP:
-                self._time, step = self._numbers[place + 3 : place + 5]
-                status = call(instance, self._time, step, count)
-                place += 5
-            elif code == b.SET_RATES:
-                status = call(instance, first, count, first + 8 * words, first + 16 * words)
-                place += 3 + 2 * words + count
-            elif code == b.DIRECTIONAL:
-                knowns = first + 8 * words
-                seed = knowns + 8 * ((other + 1) // 2)
-                status = call(instance, first, count, knowns, other, seed, result)
-                place += 3 + words + (other + 1) // 2 + other
-            elif code == b.GET_STATE:
-                slots[b.HEAD + slots[b.CAPACITY]] = slots[place + 3]
-                status = call(instance, result)
-                place += 4
-            else:
-                status = call(instance, slots[place + 3])
-                place += 4
+            slots[p.CALL] = number = slots[place]
+            call = self._calls[number - 1]
+            arguments, place = self._arguments(call, place + 1)
+            if number == DO_STEP:
+                self._time = arguments[0]
+            status = call.function(self._instance, *arguments)
             worst = max(worst, status)
-        slots[b.USED] = 0
-        slots[b.STATUS] = worst
-        slots[b.FAILED_CALL] = slots[b.CALL] if status > 1 else 0
+        slots[p.USED] = 0
+        slots[p.STATUS] = worst
+        slots[p.FAILED_CALL] = slots[p.CALL] if status > 1 else 0
+
+    def _arguments(self, call: _Call, place: int) -> tuple[list[Any], int]:
+        """Arguments of a command from a slot on, and the slot behind them."""
+        slots = self._slots
+        result = p.HEAD + slots[p.CAPACITY]
+        arguments: list[Any] = [self._address + 8 * result] * call.count
+        for n, is_double in call.numbers:
+            arguments[n] = (self._numbers if is_double else slots)[place]
+            place += 1
+        for n, words, counted, is_result in call.arrays:
+            if is_result:  # what is there goes to where the answer is written
+                slots[result] = slots[place]
+            else:
+                arguments[n] = self._address + 8 * place
+            place += (words * (1 if counted < 0 else arguments[counted]) + 1) // 2
+        return arguments, place
+
+
+class _Call:
+    """A function of the FMU, and where its arguments are: numbers, and arrays that are given."""
+
+    def __init__(self, function: Function, address: int) -> None:
+        self.function = function.c(address)
+        self.count = len(function.arguments)
+        numbered = [*enumerate(function.arguments)]
+        self.numbers = [(n, a.type == "f8") for n, a in numbered if a.role is Role.NUMBER]
+        self.arrays = [
+            (n, a.words, function.place(a.count), a.role is Role.BOTH)
+            for n, a in numbered
+            if a.role in (Role.GIVEN, Role.BOTH)
+        ]
 
 
 def _die_with_parent(lifeline: int) -> None:
