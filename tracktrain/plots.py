@@ -15,15 +15,7 @@ from matplotlib.figure import Figure
 
 from .car.hopper import layout_of
 from .results import mean_speed
-from .scales import (
-    ACCELERATION,
-    ANGLE,
-    DISPLACEMENT,
-    FOOT,
-    FORCE,
-    MILE_PER_HOUR,
-    Scale,
-)
+from .scales import ACCELERATION, ANGLE, DISPLACEMENT, FOOT, FORCE, MILE_PER_HOUR, Scale
 
 INK, MUTED, GRID = "#1c2733", "#6b7785", "#dfe4ea"
 BLUE, RED, GREEN, PURPLE = "#1f5fa8", "#c0432c", "#2f7d4f", "#6d4c9f"

@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import pandas as pd
+import xarray as xr
+
+from orchestrator import Run
+from orchestrator.results.netcdf import NAME
 
 from .car.hopper import layout_of
 from .errors import TracktrainError
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-
-    from orchestrator import Run
 
 BONDS = "bonds.csv"
 
 
 def opened(folder: Path) -> xr.Dataset:
     """The dataset in a run's folder, read as it is used; TracktrainError where there is none."""
-    import xarray as xr
-
-    from orchestrator.results.netcdf import NAME
-
     path = folder / NAME
     if not path.is_file():
         raise TracktrainError(
@@ -42,8 +37,6 @@ def mean_speed(dataset: xr.Dataset) -> float | None:
 
 def bond_table(run: Run) -> pd.DataFrame:
     """Energy through each bond of a run, and what its two sides saw differently [J]."""
-    import pandas as pd
-
     rows = [
         {
             "bond": bond.name,
@@ -59,7 +52,5 @@ def bond_table(run: Run) -> pd.DataFrame:
 
 def read_bonds(folder: Path) -> pd.DataFrame | None:
     """The bond table in a run's folder, if it is there."""
-    import pandas as pd
-
     path = folder / BONDS
     return pd.read_csv(path, index_col="bond") if path.is_file() else None

@@ -9,11 +9,16 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import Progress as Bar
+from rich.table import Table
+
 from .errors import TracktrainError
 
 if TYPE_CHECKING:
     import pandas as pd
-    from rich.table import Table
 
 Progress = Callable[[float], None]
 """Called with the share that is done, from 0 to 1."""
@@ -34,10 +39,6 @@ def writable(folder: Path) -> Path:
 
 def printable(table: pd.DataFrame, title: str) -> Table:
     """A table for the terminal, numbers to four digits, its index as the first columns."""
-    from rich.box import SIMPLE_HEAD
-    from rich.markup import escape
-    from rich.table import Table
-
     shown = Table(
         title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, collapse_padding=True
     )
@@ -60,12 +61,22 @@ def _cell(value: object) -> str:
     return "-" if math.isnan(value) else f"{value:.4g}"
 
 
+def plain_console() -> Console:
+    """A console that prints text as it is."""
+    return Console(markup=False, highlight=False, emoji=False)
+
+
+def plain_grid() -> Table:
+    """Rows of a label and what it is."""
+    table = Table.grid(padding=(0, 2))
+    table.add_column(style="dim", no_wrap=True)
+    table.add_column(overflow="fold")
+    return table
+
+
 @contextmanager
 def progress_bar(title: str, hidden: bool = False) -> Iterator[Progress]:
     """A bar on the terminal's error stream that a call moves; nothing where that is no terminal."""
-    from rich.console import Console
-    from rich.progress import Progress as Bar
-
     console = Console(stderr=True)
     with Bar(console=console, disable=hidden or not console.is_terminal, transient=True) as bar:
         task = bar.add_task(title, total=1.0)

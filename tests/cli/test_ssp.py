@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 from fmus.catalogue import fmu_path
 from tracktrain.car.hopper import HOPPER
-from tracktrain.cli import main as cli
+from tracktrain.cli.commands import run as command
 from tracktrain.cli.main import main
 
 SHAPE = (
@@ -165,7 +165,7 @@ def test_run_of_an_archive_goes_on_from_its_checkpoint(archive, tmp_path, monkey
         yield (lambda name: None), progress
 
     with monkeypatch.context() as patch:
-        patch.setattr(cli, "_progress", stopping)
+        patch.setattr(command, "_progress", stopping)
         keeping = ("--checkpoint", "10ms", "--duration", "4s", "--quiet", "--out", str(out))
         code, said = tracktrain("run", str(own), *keeping)
     assert (code, f"go on with --resume {out}" in said) == (1, True)

@@ -12,13 +12,14 @@ import pytest
 import xarray as xr
 from click.testing import CliRunner, Result
 
-from tracktrain.cli import main as cli
+from tracktrain.cli.commands import run as command
+from tracktrain.cli.main import main
 
 PICTURES = ("lateral_force.png", "displacement.png", "track.png", "carbody.png")
 
 
 def run(*arguments: str) -> Result:
-    result = CliRunner().invoke(cli.main, ["run", *arguments])
+    result = CliRunner().invoke(main, ["run", *arguments])
     assert "Traceback" not in result.output
     return result
 
@@ -53,7 +54,7 @@ def test_interrupt_keeps_results_and_pictures(
 
         yield (lambda name: None), progress
 
-    monkeypatch.setattr(cli, "_progress", interrupting)
+    monkeypatch.setattr(command, "_progress", interrupting)
     result = run("--duration", "8s", "--out", str(tmp_path))
     assert result.exit_code == 1
     assert "Error: interrupted at t = " in result.stderr
@@ -77,7 +78,7 @@ def test_folder_that_cannot_be_written_is_refused_before_the_run(tmp_path: Path)
 def test_build_refuses_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     folder = tmp_path / "file" / "fmus"
-    result = CliRunner().invoke(cli.main, ["build", "--out", str(folder)])
+    result = CliRunner().invoke(main, ["build", "--out", str(folder)])
     assert result.exit_code == 2
     assert f"'{folder}' cannot be written to (not a directory)" in result.stderr
 

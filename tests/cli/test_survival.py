@@ -15,13 +15,13 @@ import xarray as xr
 from click.testing import CliRunner, Result
 
 from fmus.catalogue import fmu_path
-from tracktrain.cli import main as cli
+from tracktrain.cli.main import main
 
 SHORT = ("--duration", "0.3s", "--quiet")
 
 
 def run(*arguments: str) -> Result:
-    result = CliRunner().invoke(cli.main, ["run", *arguments])
+    result = CliRunner().invoke(main, ["run", *arguments])
     assert "Traceback" not in result.output
     return result
 

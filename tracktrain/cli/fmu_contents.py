@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import prod
-from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element
 
-if TYPE_CHECKING:
-    from orchestrator.fmu.archive import Archive
-    from orchestrator.fmu.read import Contents
+from orchestrator import Archive, ArchiveError, Contents, open_archive
 
 TERMINALS = ("terminalsAndIcons/terminalsAndIcons.xml", "icons/terminalsAndIcons.xml")
 """Where the file is; the second is where drafts of FMI 3.0 had it."""
@@ -55,9 +52,6 @@ class Extras:
 
 def extras(contents: Contents) -> Extras:
     """Look into an FMU of any version; what is wrong in these files is told, not raised."""
-    from orchestrator.errors import ArchiveError
-    from orchestrator.fmu.archive import open_archive
-
     problems: list[str] = []
 
     def root(archive: Archive, member: str) -> Element | None:

@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from orchestrator import (
-        Description,
-        Variable,
-    )
-    from orchestrator.fmu.read import Contents
+from orchestrator import Contents, Description, UnitError, Variable, scale_of
 
-    from .fmu_contents import Extras
+from .fmu_contents import Extras
 
 
 def has_source(contents: Contents) -> bool:
@@ -22,9 +17,6 @@ def has_source(contents: Contents) -> bool:
 
 def scales(description: Description) -> dict[str, Any]:
     """Every unit that is used or defined, and its scale; None for one that is not known."""
-    from orchestrator.errors import UnitError
-    from orchestrator.fmu.units import scale_of
-
     used = {v.unit for v in description.variables.values() if v.unit} | set(description.units)
     scales: dict[str, Any] = {}
     for unit in sorted(used):

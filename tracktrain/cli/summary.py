@@ -9,17 +9,10 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Group
 from rich.table import Table
 
-from orchestrator import (
-    dominant_frequency,
-    peak,
-    rms,
-)
+from orchestrator import dominant_frequency, peak, rms
 
 from ..car.hopper import layout_of
-from ..scales import (
-    Scale,
-    three_digits,
-)
+from ..scales import Scale, three_digits
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,16 +8,8 @@ from typing import Any
 
 import click
 
-from ..car.hopper import (
-    CARS,
-    TRACKS,
-    instances,
-)
-from .types import (
-    Assignment,
-    Name,
-    Quantity,
-)
+from ..car.hopper import CARS, TRACKS, instances
+from .types import Assignment, Name, Quantity
 
 Option = Callable[[Any], Any]
 SPEED_UNITS = ("ft/s", "mph", "m/s", "km/h")

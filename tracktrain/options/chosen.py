@@ -12,24 +12,11 @@ from click.core import ParameterSource
 
 from ..car.hopper import instances
 from ..errors import TracktrainError
-from .car import (
-    car_option,
-    seed_option,
-    set_option,
-    speed_option,
-    swap_option,
-    track_option,
-)
-from .types import (
-    Assignment,
-    Quantity,
-)
+from .car import car_option, seed_option, set_option, speed_option, swap_option, track_option
+from .types import Assignment, Quantity
 
 if TYPE_CHECKING:
-    from orchestrator import (
-        PortMap,
-        System,
-    )
+    from orchestrator import PortMap, System
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 Assigned = tuple[str, str, str]
@@ -101,10 +88,7 @@ def chosen_car(
     """The hopper car that the options mean, with its experiment."""
     from orchestrator import Experiment
 
-    from ..car import (
-        changes,
-        hopper,
-    )
+    from ..car import changes, hopper
 
     system = hopper.hopper_car(car, speed, track, seed)
     notes = []

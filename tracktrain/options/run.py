@@ -11,20 +11,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 from click.core import ParameterSource
 
-from ..errors import (
-    TracktrainError,
-    choices,
-)
-from .types import (
-    Name,
-    Quantity,
-)
+from ..errors import TracktrainError, choices
+from .types import Name, Quantity
 
 if TYPE_CHECKING:
-    from orchestrator import (
-        Log,
-        System,
-    )
+    from orchestrator import Log, System
 
 RESUMED = ("resume", "csv", "page", "quiet", "log", "log_level")
 """Options that a run which goes on may still have."""

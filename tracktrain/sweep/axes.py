@@ -8,16 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ..car.changes import assigned
-from ..car.hopper import (
-    CARS,
-    TRACKS,
-    hopper_car,
-    instances,
-)
-from ..errors import (
-    TracktrainError,
-    choices,
-)
+from ..car.hopper import CARS, TRACKS, hopper_car, instances
+from ..errors import TracktrainError, choices
 from ..options.master import MASTERS
 from ..options.types import NUMBER_THEN_UNIT
 

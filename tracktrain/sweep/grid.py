@@ -8,25 +8,12 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..car.hopper import (
-    CARS,
-    REPORT_SPEED,
-    hopper_car,
-)
+from ..car.hopper import CARS, REPORT_SPEED, hopper_car
 from ..errors import choices
 from ..terminal import Progress
-from .axes import (
-    Axis,
-    Given,
-    SweepError,
-    make_axis,
-    shaped,
-)
+from .axes import Axis, Given, SweepError, make_axis, shaped
 from .store import Store
-from .table import (
-    make_table,
-    write_table,
-)
+from .table import make_table, write_table
 from .workers import rows
 
 if TYPE_CHECKING:

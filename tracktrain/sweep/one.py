@@ -11,10 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import xarray as xr
 
-    from orchestrator import (
-        Run,
-        Session,
-    )
+    from orchestrator import Run, Session
 
 Row = dict[str, Any]
 
@@ -77,11 +74,7 @@ def run_one(options: Mapping[str, Any], outputs: Sequence[str] | None, reuse: bo
 
 
 def _numbers(run: Run, outputs: Sequence[str]) -> Row:
-    from orchestrator import (
-        dominant_frequency,
-        peak,
-        rms,
-    )
+    from orchestrator import dominant_frequency, peak, rms
 
     data = run.dataset
     row: Row = {"units": {}}

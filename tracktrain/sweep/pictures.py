@@ -11,14 +11,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..plots import (
-    BLUE,
-    GREEN,
-    MUTED,
-    PURPLE,
-    RED,
-    STYLE,
-)
+from ..plots import BLUE, GREEN, MUTED, PURPLE, RED, STYLE
 
 if TYPE_CHECKING:
     import xarray as xr

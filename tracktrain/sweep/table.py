@@ -9,11 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .axes import Axis
-from .one import (
-    NUMBERS,
-    TEXTS,
-    Row,
-)
+from .one import NUMBERS, TEXTS, Row
 
 if TYPE_CHECKING:
     import pandas as pd

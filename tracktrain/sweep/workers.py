@@ -13,10 +13,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from .axes import SweepError
-from .one import (
-    Row,
-    run_one,
-)
+from .one import Row, run_one
 
 if TYPE_CHECKING:
     from distributed import Client

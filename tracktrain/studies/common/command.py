@@ -10,7 +10,6 @@ import click
 from rich.console import Console
 
 from ...errors import TracktrainError
-from ...failures import clear_errors
 from ...terminal import printable, progress_bar, writable
 from .outcome import Outcome
 
@@ -28,17 +27,16 @@ def study_command(
         moves = "progress" in function.__annotations__
 
         def run(out: Path | None, quiet: bool, **given: Any) -> None:
-            with clear_errors():
-                folder = writable(out or Path(f"tracktrain-{name}"))
-                with progress_bar(name, hidden=quiet) as progress:
-                    outcome = function(**given, **({"progress": progress} if moves else {}))
-                try:
-                    outcome.write(folder)
-                except OSError as error:
-                    reason = (error.strerror or str(error)).lower()
-                    raise TracktrainError(f"'{folder}' cannot be written to ({reason})") from None
-                if not quiet:
-                    _print(outcome, folder)
+            folder = writable(out or Path(f"tracktrain-{name}"))
+            with progress_bar(name, hidden=quiet) as progress:
+                outcome = function(**given, **({"progress": progress} if moves else {}))
+            try:
+                outcome.write(folder)
+            except OSError as error:
+                reason = (error.strerror or str(error)).lower()
+                raise TracktrainError(f"'{folder}' cannot be written to ({reason})") from None
+            if not quiet:
+                _print(outcome, folder)
 
         run.__doc__ = function.__doc__
         command = click.command(name, epilog=epilog)(run)

@@ -1,4 +1,4 @@
-"""A model of one's own: `tracktrain new` starts it, `tracktrain fmu pack` makes an FMU of it."""
+"""The command `tracktrain new`: it starts a model of one's own."""
 
 from __future__ import annotations
 
@@ -11,11 +11,9 @@ import click
 
 from fmus.names import NAMES
 
-from ..car.hopper import HOPPER
-from ..errors import TracktrainError
-from ..failures import clear_errors
-from ..options.types import Name
-from ..terminal import writable
+from ...car.hopper import HOPPER
+from ...errors import TracktrainError
+from ...options.types import Name
 
 PLACEHOLDER = "my_model"
 
@@ -35,45 +33,18 @@ Examples:
     metavar="DIR",
     help="Folder to make the project's folder in.  [default: here]",
 )
-def new(block: str, name: str, out: Path) -> None:
+def command(block: str, name: str, out: Path) -> None:
     """Start a model of your own in the place of a BLOCK: a folder NAME with plain Python.
 
     It runs as it is. Its README tells how it becomes an FMU and how the car runs with it.
     """
-    with clear_errors():
-        project = write_project(block, name, out)
-        for path in sorted(project.iterdir()):
-            click.echo(path)
-        click.echo(
-            f"\nnext: tracktrain fmu pack {project}, then "
-            f"tracktrain run --swap {_instance(block)}={name}.fmu"
-        )
-
-
-@click.command(
-    epilog="""\b
-Examples:
-  tracktrain fmu pack my_creep
-  tracktrain fmu pack my_creep/my_creep.py --out fmus"""
-)
-@click.argument("project", type=click.Path(path_type=Path))
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    default=Path(),
-    metavar="DIR",
-    help="Folder to write to.  [default: here]",
-)
-def pack(project: Path, out: Path) -> None:
-    """Make an FMU of a model in plain Python: of a file, or of the folder of the same name.
-
-    The model is tried out first: what its ports, its state and its feedthrough promise has to hold.
-    `tracktrain new` starts such a model.
-    """
-    from fmus.export.python import pack as pack_model
-
-    path = pack_model(project, writable(out))
-    click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
+    project = write_project(block, name, out)
+    for path in sorted(project.iterdir()):
+        click.echo(path)
+    click.echo(
+        f"\nnext: tracktrain fmu pack {project}, then "
+        f"tracktrain run --swap {_instance(block)}={name}.fmu"
+    )
 
 
 def write_project(block: str, name: str, out: Path) -> Path:

@@ -1,38 +1,20 @@
-"""The commands `tracktrain fmu`: what an FMU is, and whether it can stand in for a block."""
+"""What an FMU is, as tables for a terminal."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import click
+import fmpy
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
 
-from fmus.names import NAMES
+from orchestrator import Contents, Description, Variable
 
-from ..failures import clear_errors
-from ..options.types import Name
-from .fmu_data import (
-    as_data,
-    experiment,
-    has_source,
-    scales,
-)
-
-if TYPE_CHECKING:
-    from rich.console import Console
-    from rich.table import Table
-
-    from orchestrator import (
-        Description,
-        Variable,
-    )
-    from orchestrator.fmu.read import Contents
-
-    from ..car.stand_in import StandIn
-    from .fmu_contents import Extras
-
+from ..terminal import plain_grid
+from .fmu_contents import Extras
+from .fmu_data import experiment, has_source, scales
 
 CAPABILITIES = {
     "directional derivatives": ("providesDirectionalDerivative", "providesDirectionalDerivatives"),
@@ -54,56 +36,14 @@ DEMANDS = {
 PARAMETERS = ("parameter", "structuralParameter")
 
 
-class ClearErrors(click.Group):
-    """A group whose errors are one message each, as those of the other commands."""
-
-    def invoke(self, ctx: click.Context) -> Any:
-        with clear_errors():
-            return super().invoke(ctx)
-
-
-@click.group(
-    cls=ClearErrors,
-    epilog="""\b
-Examples:
-  tracktrain fmu info my_truck.fmu
-  tracktrain fmu check my_truck.fmu --as truck
-  tracktrain fmu test my_truck.fmu""",
-)
-def fmu() -> None:
-    """Look into FMUs, ours or any other."""
-
-
-@fmu.command(
-    epilog="""\b
-Examples:
-  tracktrain fmu info my_truck.fmu
-  tracktrain fmu info my_truck.fmu --parameters
-  tracktrain fmu info my_truck.fmu --json > my_truck.json"""
-)
-@click.argument("file", type=click.Path(path_type=Path))
-@click.option("--parameters", is_flag=True, help="List the parameters, too.")
-@click.option("--json", "as_json", is_flag=True, help="Print all of it as JSON.")
-def info(file: Path, parameters: bool, as_json: bool) -> None:
-    """Say what an FMU is: ports, units, terminals, capabilities, platforms, hash, provenance.
-
-    FMI 1.0, 2.0 and 3.0, for model exchange or co-simulation.
-    """
-    from orchestrator.fmu.read import (
-        open_fmu,
-        survey,
-    )
-
-    from .fmu_contents import extras
-
-    contents = open_fmu(file)
-    description = survey(contents)
-    beside = extras(contents)
-    if as_json:
-        data = as_data(contents, description, beside)
-        click.echo(json.dumps(data, indent=2, ensure_ascii=False))
-        return
-    console = plain_console()
+def print_info(
+    console: Console,
+    contents: Contents,
+    description: Description,
+    beside: Extras,
+    parameters: bool,
+) -> None:
+    """Print what an FMU is; its parameters if they are asked for."""
     _print_head(console, contents, description, beside)
     _print_ports(console, description)
     _print_terminals(console, beside)
@@ -111,69 +51,8 @@ def info(file: Path, parameters: bool, as_json: bool) -> None:
         _print_parameters(console, description)
 
 
-@fmu.command(
-    epilog="""\b
-Examples:
-  tracktrain fmu check my_truck.fmu --as truck
-  tracktrain fmu check my_wheelset.fmu --as wheelrail
-  tracktrain fmu check foreign.fmu --as wheelrail --map foreign.toml"""
-)
-@click.argument("file", type=click.Path(path_type=Path))
-@click.option(
-    "--as",
-    "block",
-    type=Name("block", NAMES),
-    help="Block of the hopper car that it is to replace; needed.",
-)
-@click.option(
-    "--map",
-    "map_file",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="What the block's ports are called in the FMU, with signs and units, in TOML or as an SSP "
-    "parameter map (.ssm).",
-)
-@click.pass_context
-def check(ctx: click.Context, file: Path, block: str | None, map_file: Path | None) -> None:
-    """Tell whether an FMU can stand in for a block of the hopper car.
-
-    The exit code is 0 if it can, 1 if it cannot, and 2 if there is nothing to check.
-    """
-    if block is None:
-        raise click.UsageError(f"--as is missing; choose one of: {', '.join(NAMES)}")
-    from orchestrator import read_port_map
-
-    from ..car.stand_in import compare
-
-    found = compare(file, block, None if map_file is None else read_port_map(map_file))
-    console = plain_console()
-    console.print(_comparison(found))
-    console.print()
-    style = "bold green" if found.possible else "bold red"
-    console.print(found.verdict, style=style, soft_wrap=True)
-    ctx.exit(0 if found.possible else 1)
-
-
-def plain_console() -> Console:
-    from rich.console import Console
-
-    return Console(markup=False, highlight=False, emoji=False)
-
-
-def plain_grid() -> Table:
-    from rich.table import Table
-
-    table = Table.grid(padding=(0, 2))
-    table.add_column(style="dim", no_wrap=True)
-    table.add_column(overflow="fold")
-    return table
-
-
 def _table(title: str, rows: list[dict[str, str]]) -> Table:
     """One column for each key under which a row has something."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-
     table = Table(
         title=title,
         title_justify="left",
@@ -235,14 +114,12 @@ def _of(description: Description, *causalities: str) -> list[Variable]:
 
 def _platforms(contents: Contents, description: Description) -> str:
     source = ["source code"] if has_source(contents) else []
-    return _here([*contents.platforms, *source], bool(description.binary))
+    return here([*contents.platforms, *source], bool(description.binary))
 
 
-def _here(platforms: list[str], runs_here: bool) -> str:
-    import fmpy
-
-    here = "runs on this machine" if runs_here else f"none for this machine, {fmpy.platform}"
-    return f"{', '.join(platforms)} ({here})" if platforms else f"none ({fmpy.platform} is needed)"
+def here(platforms: list[str], runs_here: bool) -> str:
+    state = "runs on this machine" if runs_here else f"none for this machine, {fmpy.platform}"
+    return f"{', '.join(platforms)} ({state})" if platforms else f"none ({fmpy.platform} is needed)"
 
 
 def _capabilities(kind: str, said: Mapping[str, str]) -> str:
@@ -359,40 +236,3 @@ def _range(variable: Variable) -> str:
     if low is None:
         return "" if high is None else f"at most {high:.10g}"
     return f"at least {low:.10g}" if high is None else f"{low:.10g} to {high:.10g}"
-
-
-def _comparison(found: StandIn) -> Table:
-    grid = plain_grid()
-
-    def add(label: str, texts: list[str], style: str | None = None) -> None:
-        if texts:
-            grid.add_row(label, "\n".join(texts), style=style)
-
-    grid.add_row("ports", f"{len(found.fitting)} of {found.required} required ones fit as they are")
-    add("fitting", [", ".join(found.fitting)] if found.fitting else [])
-    missing = {causality: ports for causality, ports in found.missing.items() if ports}
-    add("missing", [f"{c}s {', '.join(ports)}" for c, ports in missing.items()], "red")
-    add("unusable", found.unusable, "red")
-    add("converted", [f"{c.port}: {c.source} -> {c.target}, {c.rule}" for c in found.converted])
-    add("mapped", [f"{ours} is {theirs}" for ours, theirs in found.mapped.items()])
-    if found.unitless:
-        grid.add_row("unitless", f"taken to be in the block's unit: {', '.join(found.unitless)}")
-    for label, there, absent in (
-        ("optional", found.optional, found.absent),
-        ("parameters", found.given, found.lacking),
-    ):
-        if there or absent:
-            without = f"; without {_shortened(absent)}" if absent else ""
-            grid.add_row(label, f"{len(there)} of {len(there) + len(absent)}{without}")
-    grid.add_row("platforms", _here(found.platforms, found.runs_here))
-    add("coupling", found.losses)
-    if found.losses and found.effects == []:
-        grid.add_row("effect", "none: every input of the car is led as before")
-    add("effect", found.effects or [])
-    add("note", found.remarks)
-    return grid
-
-
-def _shortened(names: list[str], limit: int = 8) -> str:
-    more = f" and {len(names) - limit} more" if len(names) > limit else ""
-    return ", ".join(names[:limit]) + more

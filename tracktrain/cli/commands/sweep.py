@@ -6,22 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from rich.console import Console
 
-from ..failures import (
-    Stopped,
-    clear_errors,
-    termination_as_interrupt,
-)
-from ..options.chosen import (
-    refuse_options,
-    system_options,
-)
-from ..options.master import master_options
-from ..terminal import (
-    printable,
-    progress_bar,
-    writable,
-)
+from ...failures import Stopped, termination_as_interrupt
+from ...options.chosen import refuse_options, system_options
+from ...options.master import master_options
+from ...terminal import printable, progress_bar, writable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -75,7 +65,7 @@ Examples:
 )
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
-def sweep(
+def command(
     ctx: click.Context,
     axes: tuple[str, ...],
     outputs: tuple[str, ...],
@@ -90,40 +80,37 @@ def sweep(
     Each run that is done is on the disk at once: after Ctrl-C, or a kill, the same command goes on.
     A run that fails is a row that says why. Writes sweep.csv, sweep.nc and a picture an output.
     """
-    with clear_errors():
-        from ..sweep.axes import read_axis
-        from ..sweep.grid import sweep as run_sweep
-        from ..sweep.pictures import write_pictures
+    from ...sweep.axes import read_axis
+    from ...sweep.grid import sweep as run_sweep
+    from ...sweep.pictures import write_pictures
 
-        found = [read_axis(text) for text in axes]
-        for axis in found:
-            refuse_options(ctx, [axis.name], f"{axis.name} is swept over")
-        folder = writable(out)
-        try:
-            with progress_bar("sweep", hidden=quiet) as progress, termination_as_interrupt():
-                table = run_sweep(
-                    found,
-                    out=folder,
-                    outputs=outputs or None,
-                    workers=workers,
-                    scheduler=scheduler,
-                    progress=progress,
-                    **options,
-                )
-        except KeyboardInterrupt:
-            raise Stopped(
-                f"interrupted; the runs that are done are in {folder}, and the same command goes "
-                "on with the others"
-            ) from None
-        write_pictures(table, folder)
-        if not quiet:
-            _print(table, [axis.digest for axis in found], folder)
+    found = [read_axis(text) for text in axes]
+    for axis in found:
+        refuse_options(ctx, [axis.name], f"{axis.name} is swept over")
+    folder = writable(out)
+    try:
+        with progress_bar("sweep", hidden=quiet) as progress, termination_as_interrupt():
+            table = run_sweep(
+                found,
+                out=folder,
+                outputs=outputs or None,
+                workers=workers,
+                scheduler=scheduler,
+                progress=progress,
+                **options,
+            )
+    except KeyboardInterrupt:
+        raise Stopped(
+            f"interrupted; the runs that are done are in {folder}, and the same command goes "
+            "on with the others"
+        ) from None
+    write_pictures(table, folder)
+    if not quiet:
+        _print(table, [axis.digest for axis in found], folder)
 
 
 def _print(table: xr.Dataset, axes: list[str], folder: Path) -> None:
-    from rich.console import Console
-
-    from ..sweep.table import digest
+    from ...sweep.table import digest
 
     console = Console()
     failed = [str(text) for text in table["message"].values.ravel() if text]

@@ -6,10 +6,9 @@ from pathlib import Path
 
 import click
 
-from .fmu import (
-    plain_console,
-    plain_grid,
-)
+import orchestrator
+
+from ....terminal import plain_console, plain_grid
 
 
 @click.command(
@@ -27,23 +26,17 @@ Examples:
     help="Start value to test it with. Repeatable.",
 )
 @click.pass_context
-def test(ctx: click.Context, file: Path, values: tuple[str, ...]) -> None:
+def command(ctx: click.Context, file: Path, values: tuple[str, ...]) -> None:
     """Find out whether an FMU does what it says of itself.
 
     Tries it in a process of its own: that equal runs give equal bits, that a saved state holds
     everything, that outputs depend on the inputs that it names and on no other, that its
     derivatives are right, and that its units are known. The exit code is 1 if something is wrong.
     """
-    from orchestrator import Component
-    from orchestrator.trust import (
-        CHECKS,
-        self_tests,
-    )
-
     given = dict(_pair(text) for text in values)
-    found = self_tests({"fmu": Component(file, given)}, anew=True)["fmu"]
+    found = orchestrator.self_tests({"fmu": orchestrator.Component(file, given)}, anew=True)["fmu"]
     console, grid = plain_console(), plain_grid()
-    for check in dict.fromkeys([*CHECKS, *(f.check for f in found.findings)]):
+    for check in dict.fromkeys([*orchestrator.CHECKS, *(f.check for f in found.findings)]):
         said = [f for f in found.findings if f.check == check]
         if check not in found.passed and not said:
             grid.add_row(check, "not offered")

@@ -1,0 +1,65 @@
+"""The command `tracktrain assess`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+ASSESSMENT = "assessment.csv"
+COLOURS = {"passed": "green", "exceeded": "bold red"}
+
+
+@click.command(
+    epilog="""\b
+Examples:
+  tracktrain run --duration 40s
+  tracktrain assess tracktrain-results"""
+)
+@click.argument("folder", type=click.Path(path_type=Path), metavar="DIR")
+@click.option("--quiet", is_flag=True, help="Print errors only.")
+def command(folder: Path, quiet: bool) -> None:
+    """Assess the run in DIR: wheel forces, stability and ride against the limits of the field.
+
+    Every quantity comes with its filter, window, limit and source; assessment.csv has them all.
+    Limits marked with * were not read in their source and are to be checked before they are quoted.
+    """
+    from ...assessment import assess as assessed
+    from ...results import opened
+
+    table = assessed(opened(folder))
+    table.to_csv(folder / ASSESSMENT)
+    if not quiet:
+        console = Console()
+        console.print(_shown(table))
+        console.print("* not verified: recalled from the source, check it before quoting it")
+        written = f"filters, windows and sources: {folder / ASSESSMENT}"
+        console.print(written, markup=False, highlight=False)
+
+
+def _shown(table: pd.DataFrame) -> Table:
+    shown = Table(box=SIMPLE_HEAD, pad_edge=False, collapse_padding=True)
+    shown.add_column("quantity")
+    for name in ("value", "limit", "share"):
+        shown.add_column(name, justify="right", no_wrap=True)
+    shown.add_column("result")
+    for quantity, row in table.iterrows():
+        judged = row["share"] == row["share"]
+        known = row["value"] == row["value"]
+        star = "" if row["verified"] else " *"
+        shown.add_row(
+            str(quantity),
+            f"{row['value']:.3g} {row['unit']}".strip() if known else "-",
+            f"{row['limit']:.3g} {row['unit']}".strip() + star if judged else "-",
+            f"{row['share']:.0%}" if judged else "-",
+            row["result"],
+            style=COLOURS.get(row["result"], "dim"),
+        )
+    return shown

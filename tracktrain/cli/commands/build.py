@@ -1,0 +1,76 @@
+"""The command `tracktrain build`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from fmus.names import FMI_VERSIONS
+
+from ...options.types import Name
+from ...terminal import writable
+
+
+@click.command(
+    epilog="""\b
+Examples:
+  tracktrain build --out my-fmus
+  tracktrain build --target all
+  tracktrain build --target host --target windows-x86_64
+  tracktrain build --fmi 3.0
+  tracktrain build --flavor python"""
+)
+@click.option(
+    "--target",
+    "targets",
+    multiple=True,
+    default=("host",),
+    metavar="TARGET",
+    help="Platform whose binaries the FMUs hold: host, all, linux-x86_64, linux-aarch64, "
+    "windows-x86_64, macos-x86_64 or macos-arm64. Repeatable.  [default: host]",
+)
+@click.option(
+    "--fmi",
+    "versions",
+    multiple=True,
+    type=click.Choice(FMI_VERSIONS),
+    default=FMI_VERSIONS,
+    help="Version of FMI. Repeatable.  [default: both]",
+)
+@click.option(
+    "--flavor",
+    "flavors",
+    type=Name("flavor", ("native", "python")),
+    multiple=True,
+    default=("native",),
+    help="Compiled, or Python sources to read and to change. Repeatable.  [default: native]",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("tracktrain-fmus"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder to write to.",
+)
+def command(
+    targets: tuple[str, ...], versions: tuple[str, ...], flavors: tuple[str, ...], out: Path
+) -> None:
+    """Write carbody.fmu, truck.fmu, wheelrail.fmu and track.fmu, and carbody_fmi3.fmu and so on.
+
+    The first build for Windows compiles the C runtime too, which takes about a minute. The Python
+    flavor writes carbody_python.fmu and so on, which need Python with casadi and numpy.
+    """
+    from fmus import BLOCKS
+    from fmus.export import build as build_native
+    from fmus.export.python import build_python
+
+    folder = writable(out)
+    paths: list[Path] = []
+    if "native" in flavors:
+        paths += build_native(folder, None, targets, versions).values()
+    if "python" in flavors:
+        paths += [build_python(name, folder) for name in BLOCKS]
+    for path in paths:
+        click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")

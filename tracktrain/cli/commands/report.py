@@ -1,0 +1,27 @@
+"""The command `tracktrain report`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+
+@click.command(
+    epilog="""\b
+Examples:
+  tracktrain run
+  tracktrain report tracktrain-results"""
+)
+@click.argument("folder", type=click.Path(path_type=Path), metavar="DIR")
+def command(folder: Path) -> None:
+    """Write DIR/report.html: the run in DIR as one page that opens in any browser, offline.
+
+    It has the moving car, all signals and their spectra to pick from, the assessment, the linear
+    modes, and what was run by what. `tracktrain run --report` writes it at once.
+    """
+    from ...report import write_report
+    from ...results import opened, read_bonds
+
+    path = write_report(opened(folder), folder, read_bonds(folder))
+    click.echo(f"{path}  {path.stat().st_size / 1e6:.1f} MB")

@@ -1,0 +1,197 @@
+"""The command `tracktrain run`."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+from rich.console import Console
+from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
+
+import orchestrator
+
+from ...failures import Stopped, termination_as_interrupt
+from ...options.chosen import CAR_ONLY, chosen_car, chosen_file, refuse_options, system_options
+from ...options.master import coupling, master_options
+from ...options.run import RESUMED, isolated, logged, run_options, survival
+from ...options.trust import shown, trust_options, trusted
+from ...terminal import writable
+
+if TYPE_CHECKING:
+    from orchestrator import Run
+
+STYLES = {"good": "bold green", "unknown": "bold", "doubtful": "bold yellow", "bad": "bold red"}
+"""How a verdict is shown, by its level."""
+
+FMUS_OF_CHECKPOINT = "checkpoint-fmus"
+"""Folder for what an archive holds, which a run needs again when it goes on from a checkpoint."""
+
+
+@click.command(
+    epilog="""\b
+Examples:
+  tracktrain run
+  tracktrain run --car empty --speed "100 ft/s" --track fra4 --seed 7
+  tracktrain run --track perfect --initial truck_front.yaw="0.005 deg" --speed "80 ft/s"
+  tracktrain run --set wheelset_11.conicity=0.1 --set track.report_rms="0.05 in"
+  tracktrain run --swap truck_rear=my_truck.fmu --out results/my-truck
+  tracktrain run --master jacobi --verify --verify-output "wheelset_*.force_y"
+  tracktrain run hopper.ssp --set track.seed=7"""
+)
+@click.argument(
+    "file", required=False, is_eager=True, type=click.Path(path_type=Path), metavar="[FILE.ssp]"
+)
+@click.option(
+    "--ssd", metavar="NAME", help="Which system to run, where FILE.ssp holds several (.ssd)."
+)
+@system_options
+@master_options
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("tracktrain-results"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder for results.nc and the pictures.",
+)
+@run_options
+@trust_options
+@click.option("--quiet", is_flag=True, help="Print errors only.")
+@click.pass_context
+def command(
+    ctx: click.Context,
+    file: Path | None,
+    ssd: str | None,
+    out: Path,
+    quiet: bool,
+    csv: bool,
+    page: bool,
+    resume: Path | None,
+    isolate: tuple[str, ...],
+    log: Path | None,
+    log_level: str,
+    **shape: Any,
+) -> None:
+    """Run the 80-ton hopper car, or the system of FILE; write results.nc and pictures.
+
+    Without options: the loaded car at 60 ft/s over 8 s of the 1980 report's track. FILE is an
+    archive or a description (.ssd) of the standard SSP; it says itself what is to be run, and
+    --set, --swap, --duration and --step change that.
+    """
+    how, coupled, trust = survival(shape), coupling(shape), trusted(shape)
+    folder = writable(resume or out)
+    start: Callable[..., Run]
+    if resume is not None:
+        others = {param.name or "" for param in ctx.command.params} - {*RESUMED}
+        refuse_options(ctx, others, f"the run in '{resume}' goes on as it began")
+        system = orchestrator.read_checkpoint(resume).system
+        start = partial(orchestrator.resume, resume)
+    elif file is None:
+        refuse_options(ctx, ["ssd"], "there is no file to choose a system of")
+        system = chosen_car(**shape)
+    else:
+        refuse_options(ctx, CAR_ONLY, f"the car is the one that '{file}' describes")
+        kept = folder / FMUS_OF_CHECKPOINT if how["checkpoint"] else None
+        changes = {k: v for k, v in shape.items() if k not in CAR_ONLY}
+        system = chosen_file(file, ssd, unpacked=kept, **changes)
+    if resume is None:
+        settings = {
+            **how,
+            **coupled,
+            "isolate": isolated(isolate, system),
+            "self_test": trust["self_test"],
+        }
+        start = partial(
+            orchestrator.simulate, system, out=folder, command=ctx.meta["command"], **settings
+        )
+    experiment = system.experiment
+    span = (experiment.stop or 0.0) - (experiment.start or 0.0)
+    with (
+        _progress(span, quiet) as (stage, progress),
+        logged(ctx, log, log_level) as logger,
+        termination_as_interrupt(),
+    ):
+        stage("running")
+        result = start(progress=progress, logger=logger)
+        if trust["verify"]:
+            stage("verifying")
+            outputs = trust["verify_output"] or shown(system)
+            result = orchestrator.verify(
+                system, outputs=outputs, twin=trust["twin"], run=result, **settings
+            )
+        stage("writing")
+        lost = _write(result, folder, csv, page)
+    if result.completed:
+        shutil.rmtree(folder / FMUS_OF_CHECKPOINT, ignore_errors=True)
+    if not quiet:
+        _print(result, [*result.notes, *lost], folder)
+    if not result.completed:
+        message = result.message or "the run stopped early"
+        hint = f"; go on with --resume {folder}" if how["checkpoint"] or resume else ""
+        raise Stopped(f"{message}; what was computed until then is in {folder}{hint}")
+
+
+def _write(result: Run, folder: Path, csv: bool, page: bool) -> list[str]:
+    """Write what is made of results.nc, and say what could not be."""
+    from ... import plots
+    from ...results import BONDS, bond_table, opened
+
+    try:
+        bonds = bond_table(result)
+        bonds.to_csv(folder / BONDS)
+        plots.write_pictures(result.dataset, folder)
+        if page:
+            from ...report import write_report
+
+            write_report(opened(folder), folder, bonds)
+        if csv:
+            result.write_csv(folder)
+    except OSError as error:
+        if result.completed:
+            raise
+        return [f"not all pictures and tables could be written: {error}"]
+    return []
+
+
+def _print(result: Run, notes: list[str], folder: Path) -> None:
+    from ..summary import summary
+
+    console = Console()
+    console.print(summary(result))
+    for note in notes:
+        console.print(f"note: {note}", style="dim", markup=False, highlight=False)
+    console.print(f"results.nc and pictures are in {folder}", markup=False, highlight=False)
+    console.print(str(result.verdict), style=STYLES[result.verdict.level.value], markup=False)
+
+
+Report = Callable[[float, float], None]
+
+
+@contextmanager
+def _progress(duration: float, quiet: bool) -> Iterator[tuple[Callable[[str], None], Report]]:
+    """What names the stage, and what moves the bar to a simulated and a wall time [s]."""
+    console = Console(stderr=True)
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description:9}"),
+        BarColumn(bar_width=24),
+        TextColumn("{task.completed:.2f} of {task.total:.2f} s"),
+        TextColumn("{task.fields[ratio]}"),
+    )
+    hidden = quiet or not console.is_terminal
+    with Progress(*columns, console=console, disable=hidden, transient=True) as bar:
+        task = bar.add_task("preparing", total=duration, ratio="")
+
+        def stage(name: str) -> None:
+            bar.update(task, description=name)
+
+        def progress(time: float, wall: float) -> None:
+            ratio = f"{time / wall:.0f} x real time" if wall > 0.0 else ""
+            bar.update(task, completed=time, ratio=ratio)
+
+        yield stage, progress
