@@ -12,11 +12,7 @@ from itertools import product
 from math import prod
 
 from ..errors import FmuError
-from .description import (
-    Description,
-    Lane,
-    Variable,
-)
+from .description import Description, Lane, Variable
 
 MOST = 100_000
 """Elements of an array above which it stays whole, and is neither coupled nor given values."""

@@ -14,22 +14,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
-from ..errors import (
-    CouplingError,
-    UnitError,
-    choices,
-)
-from .arrays import (
-    element_names,
-    shaped,
-    with_lanes,
-)
-from .description import (
-    Description,
-    Lane,
-    Tangent,
-    Variable,
-)
+from ..errors import CouplingError, UnitError, choices
+from .arrays import element_names, shaped, with_lanes
+from .description import Description, Lane, Tangent, Variable
 from .units import conversion
 
 

@@ -12,15 +12,13 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from ..errors import (
-    FmuError,
-    choices,
-)
+import fmpy
+
+from ..errors import FmuError, choices
 from .archive import open_archive
+from .arrays import taken_apart
 from .description import CO_SIMULATION, MODEL_EXCHANGE, Description, Tangent, Variable
-from .units import (
-    definitions,
-)
+from .units import definitions
 
 DESCRIPTION = "modelDescription.xml"
 
@@ -67,8 +65,6 @@ class Contents:
 
     def binary(self, identifier: str) -> str:
         """Member with the shared library for this machine; empty if there is none."""
-        import fmpy
-
         # On ARM the folder of FMI 2 means another processor where the tuple's folder is there, too.
         folders = (fmpy.platform_tuple, fmpy.platform)
         file = identifier + fmpy.sharedLibraryExtension
@@ -78,8 +74,6 @@ class Contents:
     @cached_property
     def model(self) -> Any:
         """The model description as fmpy reads it; raises FmuError."""
-        from fmpy import read_model_description
-
         if self.root.tag != "fmiModelDescription":
             raise FmuError(
                 f"'{self.path}' has a wrong modelDescription.xml: it begins with "
@@ -91,7 +85,7 @@ class Contents:
                 "be read"
             )
         try:
-            return read_model_description(str(self.path), validate=False)
+            return fmpy.read_model_description(str(self.path), validate=False)
         except Exception as error:  # fmpy raises plain exceptions
             problem = _first_problem(self.path, error)
             raise FmuError(f"'{self.path}' has a wrong modelDescription.xml: {problem}") from None
@@ -164,10 +158,6 @@ def survey(contents: Contents, interface: str = CO_SIMULATION) -> Description:
 def _describe(
     path: Path, _modified: int, _size: int, sizes: tuple[tuple[str, int], ...], interface: str
 ) -> Description:
-    import fmpy
-
-    from .arrays import taken_apart
-
     contents = open_fmu(path)
     if not contents.version.startswith(("2.", "3.")):
         raise FmuError(
@@ -196,10 +186,8 @@ def _stat(path: Path) -> os.stat_result:
 
 def _first_problem(path: Path, error: Exception) -> str:
     """What the schema finds wrong, which says it better than the error that it led to."""
-    from fmpy import read_model_description
-
     try:
-        read_model_description(str(path))
+        fmpy.read_model_description(str(path))
     except Exception as found:
         return str(next(iter(getattr(found, "problems", [])), error))
     return str(error)

@@ -11,15 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from ..errors import (
-    CouplingError,
-    UnitError,
-    choices,
-)
-from ..fmu.description import (
-    Description,
-    Variable,
-)
+from ..errors import CouplingError, UnitError, choices
+from ..fmu.description import Description, Variable
 from ..fmu.units import scale_of
 from ..system.system import PowerBond
 from ..system.transformation import IDENTITY

@@ -5,40 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..errors import (
-    CouplingError,
-    UnitError,
-    choices,
-)
-from ..fmu.arrays import (
-    MOST,
-    element_names,
-    shaped,
-)
-from ..fmu.description import (
-    Description,
-    Variable,
-)
-from ..fmu.units import conversion
-from ..system.system import (
-    Connection,
-    split,
-)
-from ..system.transformation import (
-    IDENTITY,
-    Table,
-    Transformation,
-)
-
-DRIVES = {
-    ("real", "real"),
-    ("integer", "integer"),
-    ("integer", "real"),
-    ("boolean", "boolean"),
-    ("enumeration", "enumeration"),
-    ("string", "string"),
-}
-"""Kinds of outputs, and of the inputs that they may drive."""
+from ..errors import CouplingError, choices
+from ..fmu.arrays import MOST, element_names, shaped
+from ..fmu.description import Description, Variable
+from ..system.system import Connection, split
+from ..system.transformation import IDENTITY, Table, Transformation
+from .ports import DRIVES, MEASURED, Fit, Problem, fit
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,13 +100,14 @@ def _link(
 ) -> Link:
     source, output = _port(connection.source, "output", numbers, descriptions)
     target, port = _port(connection.target, "input", numbers, descriptions)
-    if (output.kind, port.kind) not in DRIVES:
+    found = fit(output, descriptions[source], port, descriptions[target])
+    if found.problem is Problem.KIND:
         raise CouplingError(
             f"{connection.target} ({port.type}) cannot be driven by {connection.source} "
             f"({output.type}): {port.kind} inputs take "
             f"{' and '.join(sorted(a for a, b in DRIVES if b == port.kind))} outputs"
         )
-    gain, offset = _conversion(connection, output, port, descriptions[source], descriptions[target])
+    gain, offset = _conversion(connection, output, port, found, descriptions[source])
     return Link(source, output, target, port, gain, offset, connection.transformation)
 
 
@@ -186,52 +159,37 @@ def _verb(causality: str) -> str:
 
 
 def _conversion(
-    connection: Connection,
-    output: Variable,
-    port: Variable,
-    giving: Description,
-    taking: Description,
+    connection: Connection, output: Variable, port: Variable, units: Fit, giving: Description
 ) -> tuple[float, float]:
     """Gain and offset from the output to the input: first the units', then the connection's."""
     after = connection.transformation
     if isinstance(after, Table):
         return _by_table(connection, after, output, port)
-    if after != IDENTITY and output.kind not in ("real", "integer"):
+    if after != IDENTITY and output.kind not in MEASURED:
         raise CouplingError(
             f"{connection.target} is driven by {connection.source} through a linear "
             f"transformation, and both are of type {output.type}; give a map of its values"
         )
     if output.kind == "enumeration":
         return _by_item(connection, output, port)
-    if connection.suppress_unit_conversion or output.kind not in ("real", "integer"):
+    if connection.suppress_unit_conversion or output.kind not in MEASURED:
         return after.factor, after.offset
-    gain, offset = _by_unit(connection, output, port, giving, taking)
-    return after.factor * gain, after(offset)
+    if units.problem is not None:
+        raise CouplingError(_unit_problem(connection, output, port, units, giving))
+    return after.factor * units.gain, after(units.offset)
 
 
-def _by_unit(
-    connection: Connection,
-    output: Variable,
-    port: Variable,
-    giving: Description,
-    taking: Description,
-) -> tuple[float, float]:
-    if output.unit is None or port.unit is None:
-        return 1.0, 0.0
+def _unit_problem(
+    connection: Connection, output: Variable, port: Variable, units: Fit, giving: Description
+) -> str:
     ends = (
         f"{connection.target} [{port.unit}] cannot be driven by {connection.source} [{output.unit}]"
     )
-    try:
-        found = conversion(output.unit, port.unit, giving.units, taking.units)
-    except UnitError as error:
-        raise CouplingError(f"{ends}: {error}; define it in the FMU's UnitDefinitions") from None
-    if found is None:
-        instance = connection.source.partition(".")[0]
-        fitting = [f"{instance}.{v.name}" for v in giving.outputs if v.unit == port.unit]
-        raise CouplingError(
-            f"{ends}; outputs in {port.unit}: {', '.join(fitting) if fitting else 'none'}"
-        )
-    return found
+    if units.problem is Problem.UNKNOWN_UNIT:
+        return f"{ends}: {units.detail}; define it in the FMU's UnitDefinitions"
+    instance = connection.source.partition(".")[0]
+    fitting = [f"{instance}.{v.name}" for v in giving.outputs if v.unit == port.unit]
+    return f"{ends}; outputs in {port.unit}: {', '.join(fitting) if fitting else 'none'}"
 
 
 def _by_table(
@@ -242,7 +200,7 @@ def _by_table(
         f"{connection.target} is driven by {connection.source} through a map of kind {table.kind}"
     )
     if table.kind.lower() != output.kind:
-        advice = "a linear transformation" if output.kind in ("real", "integer") else "one of that"
+        advice = "a linear transformation" if output.kind in MEASURED else "one of that"
         raise CouplingError(f"{ends}, and it is of type {output.type}; give {advice}")
     every = {"Boolean": (False, True), "Enumeration": (*output.items,)}.get(table.kind, ())
     sources = dict.fromkeys((*(source for source, _ in table.entries), *every))

@@ -6,10 +6,7 @@ import heapq
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from .graph import (
-    strong_parts,
-    sweep,
-)
+from .graph import strong_parts, sweep
 
 Port = tuple[int, str]
 """Instance and variable."""

@@ -3,39 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from ..errors import (
-    CouplingError,
-    ResultsError,
-    choices,
-)
-from ..fmu.description import (
-    CO_SIMULATION,
-    Description,
-    Variable,
-)
+from ..errors import CouplingError, ResultsError, choices
+from ..fmu.description import CO_SIMULATION, Description, Variable
 from ..fmu.read import describe
-from ..system.system import (
-    Component,
-    System,
-    Value,
-)
-from .bonds import (
-    Bond,
-    find_bonds,
-)
-from .connections import (
-    Link,
-    find_links,
-)
-from .order import (
-    Batch,
-    Loop,
-    evaluation_order,
-)
+from ..system.system import Component, System, Value
+from .bonds import Bond, find_bonds
+from .connections import Link, find_links
+from .order import Batch, Loop, Port, evaluation_order
 from .start_values import resolve
 
 
@@ -96,12 +74,7 @@ def make_plan(
     record: names or patterns (`*`, `?`) of the outputs to keep; None keeps all. interface: for
     which the FMUs are to run.
     """
-    names = list(system.components)
-    if not names:
-        raise CouplingError("the system has no components")
-    for name in names:
-        if not name or "." in name:
-            raise CouplingError(f"'{name}' cannot name an instance: it is empty or has a dot")
+    names = _instances(system)
     descriptions = [
         component_description(name, c, interface) for name, c in system.components.items()
     ]
@@ -109,18 +82,8 @@ def make_plan(
     every = [_every(name, component.every) for name, component in system.components.items()]
     notes = list(system.notes)
     links, text_links = find_links(system.connections, names, descriptions, notes)
-    values = [
-        [pair for n, v in c.parameters.items() for pair in resolve(name, d, n, v)]
-        for (name, c), d in zip(system.components.items(), descriptions, strict=True)
-    ]
     driven = {(link.target, link.input.name): link for link in [*links, *text_links]}
-    for instance, given in enumerate(values):
-        for variable, _ in given:
-            if link := driven.get((instance, variable.name)):
-                raise CouplingError(
-                    f"{names[instance]}.{variable.name} cannot be given a value: it is driven by "
-                    f"{names[link.source]}.{link.output.name}"
-                )
+    values = _values(system, descriptions, driven)
     open_inputs = [
         (i, v)
         for i, d in enumerate(descriptions)
@@ -131,20 +94,15 @@ def make_plan(
     outputs = [(i, v) for i, d in enumerate(descriptions) for v in d.outputs if v.coupled]
     texts = [(i, v) for i, d in enumerate(descriptions) for v in d.outputs if v.kind == "string"]
     wanted = _recorded(record, names, [*outputs, *texts], open_inputs)
+
+    def is_wanted(port: tuple[int, Variable]) -> bool:
+        return f"{names[port[0]]}.{port[1].name}" in wanted
+
     read = _read(outputs, links, descriptions, names, wanted)
-    batches, loops = evaluation_order(
-        [(i, v.name) for i, v in read],
-        {(i, v.name): _dependencies(v, descriptions[i]) for i, v in read},
-        {(k.target, k.input.name): (k.source, k.output.name) for k in links},
-    )
-    for loop in loops:
-        inside = [
-            f"{names[b.instance]}.{o}" for b in batches[loop.first : loop.last] for o in b.outputs
-        ]
-        shown = ", ".join(inside[:12]) + (f" and {len(inside) - 12} more" if inside[12:] else "")
-        notes.append(f"algebraic loop, solved at every communication point: {shown}")
+    batches, loops = evaluation_order(*feedthrough(read, links, descriptions))
+    _note_loops(notes, names, batches, loops)
     columns, first_column, steady = _columns(len(names), read, batches)
-    plan = Plan(
+    return Plan(
         names=names,
         descriptions=descriptions,
         links=links,
@@ -154,22 +112,71 @@ def make_plan(
         batches=batches,
         loops=loops,
         values=values,
-        open_inputs=[
-            (i, v) for i, v in open_inputs if v.coupled and f"{names[i]}.{v.name}" in wanted
-        ],
-        recorded=[n for n, (i, v) in enumerate(columns) if f"{names[i]}.{v.name}" in wanted],
-        bonds=[],
-        text_links=text_links,
-        texts=[(i, v) for i, v in texts if f"{names[i]}.{v.name}" in wanted],
+        open_inputs=[port for port in open_inputs if port[1].coupled and is_wanted(port)],
+        recorded=[n for n, port in enumerate(columns) if is_wanted(port)],
+        bonds=_bonds(system, names, links, descriptions, every, notes),
         every=every,
+        text_links=text_links,
+        texts=[port for port in texts if is_wanted(port)],
         notes=notes,
     )
-    bonds = find_bonds(plan.names, plan.links, descriptions, system.bonds)
+
+
+def feedthrough(
+    ports: Iterable[tuple[int, Variable]], links: Iterable[Link], descriptions: list[Description]
+) -> tuple[list[Port], dict[Port, frozenset[str]], dict[Port, Port]]:
+    """Outputs, the inputs that they depend on, and what drives these, for `evaluation_order`."""
+    read = list(ports)
+    every = {i: frozenset(v.name for v in descriptions[i].inputs) for i, _ in read}
+    depends = {(i, v.name): every[i] if v.dependencies is None else v.dependencies for i, v in read}
+    driver = {(k.target, k.input.name): (k.source, k.output.name) for k in links}
+    return [(i, v.name) for i, v in read], depends, driver
+
+
+def _instances(system: System) -> list[str]:
+    names = list(system.components)
+    if not names:
+        raise CouplingError("the system has no components")
+    for name in names:
+        if not name or "." in name:
+            raise CouplingError(f"'{name}' cannot name an instance: it is empty or has a dot")
+    return names
+
+
+def _values(
+    system: System, descriptions: list[Description], driven: Mapping[Port, Link]
+) -> list[list[tuple[Variable, Value]]]:
+    """By instance, the variables that are given values, which nothing drives."""
+    values = [
+        [pair for n, v in c.parameters.items() for pair in resolve(name, d, n, v)]
+        for (name, c), d in zip(system.components.items(), descriptions, strict=True)
+    ]
+    names = list(system.components)
+    for instance, given in enumerate(values):
+        for variable, _ in given:
+            if link := driven.get((instance, variable.name)):
+                raise CouplingError(
+                    f"{names[instance]}.{variable.name} cannot be given a value: it is driven by "
+                    f"{names[link.source]}.{link.output.name}"
+                )
+    return values
+
+
+def _bonds(
+    system: System,
+    names: list[str],
+    links: list[Link],
+    descriptions: list[Description],
+    every: list[int],
+    notes: list[str],
+) -> list[Bond]:
+    """The bonds of which an energy residual can be told."""
+    bonds = find_bonds(names, links, descriptions, system.bonds)
     measured = [b for b in bonds if every[b.force.target] == every[b.velocity.target] == 1]
     if len(measured) < len(bonds):
         unmeasured = ", ".join(bond.name for bond in bonds if bond not in measured)
         notes.append(f"no energy residual, since one side steps seldom: {unmeasured}")
-    return replace(plan, bonds=measured)
+    return measured
 
 
 def component_description(
@@ -228,6 +235,17 @@ def _note_open_inputs(
         notes.append(f"inputs that nothing drives: {', '.join(shown)}")
 
 
+def _note_loops(
+    notes: list[str], names: list[str], batches: list[Batch], loops: list[Loop]
+) -> None:
+    for loop in loops:
+        inside = [
+            f"{names[b.instance]}.{o}" for b in batches[loop.first : loop.last] for o in b.outputs
+        ]
+        shown = ", ".join(inside[:12]) + (f" and {len(inside) - 12} more" if inside[12:] else "")
+        notes.append(f"algebraic loop, solved at every communication point: {shown}")
+
+
 def _recorded(
     record: Sequence[str] | None,
     names: list[str],
@@ -266,12 +284,6 @@ def _read(
                 name = rate.name
                 needed.add((instance, name))
     return [(i, v) for i, v in outputs if f"{names[i]}.{v.name}" in wanted or (i, v.name) in needed]
-
-
-def _dependencies(output: Variable, description: Description) -> frozenset[str]:
-    if output.dependencies is None:
-        return frozenset(v.name for v in description.inputs)
-    return output.dependencies
 
 
 def _columns(

@@ -6,25 +6,11 @@ import math
 import re
 from collections.abc import Iterator
 
-from ..errors import (
-    UnitError,
-    ValueRefusedError,
-    choices,
-)
-from ..fmu.arrays import (
-    MOST,
-    element_names,
-    shaped,
-)
-from ..fmu.description import (
-    Description,
-    Variable,
-)
+from ..errors import UnitError, ValueRefusedError, choices
+from ..fmu.arrays import MOST, element_names, shaped
+from ..fmu.description import Description, Variable
 from ..fmu.types import TYPES
-from ..fmu.units import (
-    Quantity,
-    conversion,
-)
+from ..fmu.units import Quantity, conversion
 from ..system.system import Value
 
 WHOLE = ("integer", "enumeration")

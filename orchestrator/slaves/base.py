@@ -11,10 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SlaveError
-from ..fmu.description import (
-    Description,
-    Variable,
-)
+from ..fmu.description import Description, Variable
 from ..system.system import Value
 from .abi import DIRECTIONAL, FUNCTIONS, GET_REAL, NAMES, SET_REAL, Addresses
 from .listener import Listener

@@ -12,10 +12,7 @@ from weakref import WeakValueDictionary
 from fmpy import calloc, fmi2, free
 
 from ..errors import SlaveError
-from ..fmu.description import (
-    Description,
-    Variable,
-)
+from ..fmu.description import Description, Variable
 from ..system.system import Value
 from .fmu import FmuSlave
 from .listener import Listener

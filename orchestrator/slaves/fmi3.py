@@ -10,10 +10,7 @@ from typing import TYPE_CHECKING
 from fmpy import fmi3
 
 from ..errors import SlaveError
-from ..fmu.description import (
-    Description,
-    Variable,
-)
+from ..fmu.description import Description, Variable
 from ..system.system import Value
 from .fmu import FmuSlave, own_value
 from .listener import Listener

@@ -7,17 +7,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..fmu.description import (
-    Description,
-    Tangent,
-    Variable,
-)
+from ..fmu.description import Description, Tangent, Variable
 from ..system.system import Value
 from .abi import FUNCTIONS, Addresses
-from .base import (
-    Slave,
-    Status,
-)
+from .base import Slave, Status
 
 Signals = Mapping[str, float]
 

@@ -14,10 +14,7 @@ from ..system.system import System
 from .base import Slave
 from .isolated.slave import IsolatedSlave
 from .listener import Listener
-from .loading import (
-    load,
-    unzip,
-)
+from .loading import load, unzip
 
 
 class Session:

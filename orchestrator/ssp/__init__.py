@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from .mapping import (
-    MapEntry,
-    read_mapping,
-)
+from .mapping import MapEntry, read_mapping
 from .reader import read_ssp
 from .writer import write_ssp
 

@@ -5,35 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from ..errors import (
-    OrchestratorError,
-    SspError,
-)
+from ..errors import OrchestratorError, SspError
 from ..plan.plan import component_description
 from ..plan.start_values import resolve
-from ..system.system import (
-    Component,
-    Value,
-)
-from .connections import (
-    Network,
-    Port,
-    Step,
-    step_to,
-)
-from .mapping import (
-    MapEntry,
-    entries,
-)
-from .parameter_sets import (
-    Given,
-    read_parameters,
-)
-from .structure import (
-    Binding,
-    Element,
-    is_variable,
-)
+from ..system.system import Component, Value
+from .connections import Network, Port, Step, step_to
+from .mapping import MapEntry, entries
+from .parameter_sets import Given, read_parameters
+from .structure import Binding, Element, is_variable
 
 SET_TYPE = "application/x-ssp-parameter-set"
 MAP_TYPE = "application/x-ssp-parameter-mapping"

@@ -5,28 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..errors import (
-    CouplingError,
-    UnitError,
-    choices,
-)
-from ..fmu.units import (
-    Definitions,
-    conversion,
-)
+from ..errors import CouplingError, UnitError, choices
+from ..fmu.units import Definitions, conversion
 from ..system.system import Connection
-from ..system.transformation import (
-    IDENTITY,
-    Linear,
-    Transformation,
-    composed,
-)
+from ..system.transformation import IDENTITY, Linear, Transformation, composed
 from .mapping import transformation
-from .structure import (
-    Element,
-    is_variable,
-    variable_of,
-)
+from .structure import Element, is_variable, variable_of
 from .xml import Node
 
 GIVES = {"output", "calculatedParameter", "constant", "local"}

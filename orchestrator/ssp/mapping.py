@@ -7,17 +7,8 @@ from pathlib import Path
 from typing import get_args
 
 from ..errors import SspError
-from ..system.transformation import (
-    IDENTITY,
-    Kind,
-    Linear,
-    Table,
-    Transformation,
-)
-from .xml import (
-    Node,
-    parse,
-)
+from ..system.transformation import IDENTITY, Kind, Linear, Table, Transformation
+from .xml import Node, parse
 
 _SUFFIX = "MappingTransformation"
 

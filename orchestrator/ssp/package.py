@@ -9,18 +9,11 @@ from functools import cached_property
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
-from ..errors import (
-    SspError,
-    choices,
-)
+from ..errors import SspError, choices
 from ..fmu.archive import open_archive
 from ..fmu.read import open_fmu
 from ..fmu.units import BaseUnit
-from .xml import (
-    Node,
-    check,
-    parse,
-)
+from .xml import Node, check, parse
 
 DEFAULT = "SystemStructure.ssd"
 """The variant of an archive that is meant where none is named."""

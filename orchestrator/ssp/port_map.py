@@ -7,12 +7,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import (
-    CouplingError,
-    choices,
-)
+from ..errors import CouplingError, choices
 from ..fmu.port_map import Port, PortMap
 from ..system.transformation import Linear
+from .mapping import read_mapping
 
 ENTRIES = {
     "name": str,
@@ -77,8 +75,6 @@ def _port(path: Path, name: str, said: Mapping[str, Any]) -> Port:
 
 
 def _from_ssm(path: Path) -> PortMap:
-    from . import read_mapping
-
     ports = {}
     for entry in read_mapping(path):
         to = entry.transformation

@@ -8,28 +8,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from ..system.system import (
-    STEP,
-    Experiment,
-    PowerBond,
-    System,
-)
+from ..system.system import STEP, Experiment, PowerBond, System
 from .bindings import Parameters
-from .connections import (
-    GIVES,
-    Network,
-    Port,
-    connections,
-    read_network,
-)
-from .package import (
-    Document,
-    open_document,
-)
-from .structure import (
-    Element,
-    read_structure,
-)
+from .connections import GIVES, Network, Port, connections, read_network
+from .package import Document, open_document
+from .structure import Element, read_structure
 from .xml import Node
 
 OSP, OMS, OWN = "com.opensimulationplatform", "org.openmodelica", "tracktrain"

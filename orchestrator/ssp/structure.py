@@ -7,14 +7,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ..errors import choices
-from ..fmu.arrays import (
-    element_names,
-    shaped,
-)
-from ..fmu.description import (
-    Description,
-    Variable,
-)
+from ..fmu.arrays import element_names, shaped
+from ..fmu.description import Description, Variable
 from ..fmu.read import describe
 from ..fmu.types import TYPES
 from .package import Document

@@ -9,48 +9,19 @@ from pathlib import Path
 from urllib.parse import quote
 from xml.etree.ElementTree import Element, SubElement
 
-from ..errors import (
-    SspError,
-    choices,
-)
+from ..errors import SspError, choices
 from ..fmu.arrays import element_names
-from ..fmu.description import (
-    Description,
-    Variable,
-)
+from ..fmu.description import Description, Variable
 from ..fmu.read import describe
 from ..fmu.types import TYPES
 from ..fmu.units import Definitions
 from ..plan.plan import component_description
-from ..system.system import (
-    STEP,
-    Component,
-    Connection,
-    Experiment,
-    System,
-    split,
-)
-from ..system.transformation import (
-    IDENTITY,
-    Linear,
-    Transformation,
-)
+from ..system.system import STEP, Component, Connection, Experiment, System, split
+from ..system.transformation import IDENTITY, Linear, Transformation
 from .package import DEFAULT
-from .parameter_sets import (
-    ParameterSet,
-    UnitsInUse,
-    shape_of,
-    type_in,
-    write_dimensions,
-)
-from .reader import (
-    OSP,
-    OWN,
-)
-from .xml import (
-    new_document,
-    text_of,
-)
+from .parameter_sets import ParameterSet, UnitsInUse, shape_of, type_in, write_dimensions
+from .reader import OSP, OWN
+from .xml import new_document, text_of
 
 VERSIONS = ("1.0", "2.0")
 CONNECTORS = ("input", "output")

@@ -6,16 +6,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from ..errors import (
-    CouplingError,
-    choices,
-)
+from ..errors import CouplingError, choices
 from ..fmu.port_map import PortMap
 from .source import Source
-from .transformation import (
-    IDENTITY,
-    Transformation,
-)
+from .transformation import IDENTITY, Transformation
 
 Value = float | int | bool | str | list["Value"] | tuple["Value", ...]
 """A number in the variable's unit, or text: a quantity ("200 lbf/in"), an enumeration's item.

@@ -14,11 +14,7 @@ from ..errors import CouplingError
 from ..plan.plan import Plan
 from ..run.log import Logger, listener
 from ..system.system import System
-from .model_exchange import (
-    Model,
-    load_models,
-    plan_whole,
-)
+from .model_exchange import Model, load_models, plan_whole
 from .monolith import Whole
 
 SINGULAR = 1e-9

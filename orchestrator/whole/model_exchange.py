@@ -13,30 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import (
-    CouplingError,
-    SlaveError,
-)
+from ..errors import CouplingError, SlaveError
 from ..fmu.arrays import element_names
-from ..fmu.description import (
-    MODEL_EXCHANGE,
-    Description,
-    Variable,
-)
+from ..fmu.description import MODEL_EXCHANGE, Description, Variable
 from ..fmu.read import open_fmu
-from ..plan.plan import (
-    Plan,
-    make_plan,
-)
+from ..plan.plan import Plan, make_plan
 from ..run.initial_values import settle
 from ..slaves.abi import FUNCTIONS
 from ..slaves.base import Status
 from ..slaves.fmi2 import Fmi2Slave
 from ..slaves.fmi3 import Fmi3Slave
-from ..slaves.fmu import (
-    FmuSlave,
-    address_of,
-)
+from ..slaves.fmu import FmuSlave, address_of
 from ..slaves.listener import Listener
 from ..slaves.loading import lanes_of, unzip
 from ..system.system import System

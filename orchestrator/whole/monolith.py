@@ -13,38 +13,17 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import DOP853
+from scipy.optimize import brentq
 
-from ..errors import (
-    CouplingError,
-    OrchestratorError,
-)
-from ..plan.order import (
-    Port,
-    evaluation_order,
-)
-from ..plan.plan import (
-    Plan,
-    start_values,
-)
-from ..results.run import (
-    Run,
-    Statistics,
-    provenance,
-)
-from ..run.grid import (
-    Grid,
-    make_grid,
-)
+from ..errors import CouplingError, OrchestratorError
+from ..plan.order import evaluation_order
+from ..plan.plan import Plan, feedthrough, start_values
+from ..results.run import Run, Statistics, provenance
+from ..run.grid import Grid, make_grid
 from ..run.log import Logger, listener
 from ..system.system import System
-from .model_exchange import (
-    ITERATIONS,
-    Array,
-    Call,
-    Model,
-    load_models,
-    plan_whole,
-)
+from .model_exchange import ITERATIONS, Array, Call, Model, load_models, plan_whole
 
 TOLERANCE = 1e-8
 """Relative, and of each state's nominal value; errors of a run grow to some hundred times this."""
@@ -121,7 +100,7 @@ def monolith(
 
 def refuse_loops(plan: Plan) -> None:
     """Raise CouplingError for outputs that depend on each other without a state between them."""
-    batches, loops = evaluation_order(*_feedthrough(plan, plan.columns))
+    batches, loops = evaluation_order(*feedthrough(plan.columns, plan.links, plan.descriptions))
     if loops:
         around = [
             (b.instance, o) for b in batches[loops[0].first : loops[0].last] for o in b.outputs
@@ -131,15 +110,6 @@ def refuse_loops(plan: Plan) -> None:
             f"the system cannot be integrated as one: it has the algebraic loop {chain}, "
             "which is not solved; put a state between, or co-simulate"
         )
-
-
-def _feedthrough(plan: Plan, ports: Iterable[tuple[int, Any]]) -> tuple[list[Port], Any, Any]:
-    """Ports, what they depend on, and what drives it, for `evaluation_order`."""
-    read = list(ports)
-    every = {i: frozenset(v.name for v in plan.descriptions[i].inputs) for i, _ in read}
-    depends = {(i, v.name): every[i] if v.dependencies is None else v.dependencies for i, v in read}
-    driver = {(k.target, k.input.name): (k.source, k.output.name) for k in plan.links}
-    return [(i, v.name) for i, v in read], depends, driver
 
 
 class Whole:
@@ -236,7 +206,9 @@ class Whole:
 
     def _calls(self, ports: Sequence[tuple[int, Any]]) -> list[Call]:
         """Read outputs and set inputs in such an order that all is read once and as of now."""
-        batches, _ = evaluation_order(*_feedthrough(self._plan, ports))
+        batches, _ = evaluation_order(
+            *feedthrough(ports, self._plan.links, self._plan.descriptions)
+        )
         late = {(batch.instance, name) for batch in batches for name in batch.outputs}
         calls: list[Call] = []
         for i in range(len(self.models)):
@@ -342,8 +314,6 @@ def _integrate(
 def _solver(
     whole: Whole, time: float, x: Array, stop: float, tolerance: float, scale: Array, size: Any
 ) -> Any:
-    from scipy.integrate import DOP853
-
     first = None if size is None or stop <= time else min(size, stop - time)
     return DOP853(whole.rates, time, x, stop, rtol=tolerance, atol=scale, first_step=first)
 
@@ -364,7 +334,6 @@ def _to(whole: Whole, time: float, x: Array, end: float, tolerance: float, scale
 
 def _located(whole: Whole, between: Any, indicator: int, begin: float, end: float) -> float:
     """Instant at which an indicator has just changed its sign within a step."""
-    from scipy.optimize import brentq
 
     def value(time: float) -> float:
         return float(whole.indicators(time, between(time))[indicator])

@@ -18,15 +18,9 @@ from numpy.typing import NDArray
 
 from ..errors import OrchestratorError
 from ..plan.plan import make_plan
-from ..results.netcdf import (
-    VERDICT,
-    ResultsFile,
-)
+from ..results.netcdf import VERDICT, ResultsFile
 from ..results.run import Run
-from ..run.simulate import (
-    simulate,
-    span,
-)
+from ..run.simulate import simulate, span
 from ..slaves.session import Session
 from ..system.system import System
 from ..trust.findings import Error, Refinement

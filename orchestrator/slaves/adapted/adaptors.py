@@ -15,15 +15,7 @@ from numba.extending import register_jitable
 from ..calls import call
 from ..compiled import Adaptors, c_function
 from ..memory import F8, U1, U4, pointer
-from .access import (
-    DISCARD,
-    ERROR,
-    STUCK,
-    get_lanes,
-    head_of,
-    set_lanes,
-    update_discrete,
-)
+from .access import DISCARD, ERROR, STUCK, get_lanes, head_of, set_lanes, update_discrete
 from .records import DIFFERENCE, LANE, VARIABLE
 
 OK = 0

@@ -12,10 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fmu.description import (
-    Description,
-    Variable,
-)
+from ...fmu.description import Description, Variable
 from ...fmu.types import TYPES
 from .. import memory
 from ..abi import FUNCTIONS, Addresses

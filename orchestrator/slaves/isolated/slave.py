@@ -25,16 +25,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import SlaveError
-from ...fmu.description import (
-    Description,
-    Variable,
-)
+from ...fmu.description import Description, Variable
 from ...system.system import Value
 from ..abi import NAMES
-from ..base import (
-    Slave,
-    Status,
-)
+from ..base import Slave, Status
 from ..fmu import address_of
 from ..listener import Listener
 from . import protocol as p
