@@ -12,7 +12,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .errors import ArchiveError, CouplingError, FmuError, OrchestratorError, UnitError
+    from .errors import (
+        ArchiveError,
+        CouplingError,
+        DimensionError,
+        FmuError,
+        OrchestratorError,
+        UnitError,
+    )
     from .fmu.archive import Archive, open_archive
     from .fmu.arrays import shaped, taken_apart
     from .fmu.description import Description, Tangent, Variable
@@ -20,8 +27,8 @@ if TYPE_CHECKING:
     from .fmu.read import Contents, describe, open_fmu, survey
     from .fmu.units import Quantity, conversion, scale_of
     from .masters.coupling import Way, couple, interpolated
-    from .plan.connections import DRIVES
     from .plan.plan import Plan, component_description, make_plan
+    from .plan.ports import Problem, fit
     from .results.energy import BondResidual
     from .results.metrics import dominant_frequency, peak, rms
     from .results.run import Run
@@ -40,7 +47,14 @@ if TYPE_CHECKING:
     from .whole.verify import verify
 
 _PUBLIC = {
-    "errors": ("ArchiveError", "CouplingError", "FmuError", "OrchestratorError", "UnitError"),
+    "errors": (
+        "ArchiveError",
+        "CouplingError",
+        "DimensionError",
+        "FmuError",
+        "OrchestratorError",
+        "UnitError",
+    ),
     "fmu.archive": ("Archive", "open_archive"),
     "fmu.arrays": ("shaped", "taken_apart"),
     "fmu.description": ("Description", "Tangent", "Variable"),
@@ -48,8 +62,8 @@ _PUBLIC = {
     "fmu.read": ("Contents", "describe", "open_fmu", "survey"),
     "fmu.units": ("Quantity", "conversion", "scale_of"),
     "masters.coupling": ("Way", "couple", "interpolated"),
-    "plan.connections": ("DRIVES",),
     "plan.plan": ("Plan", "component_description", "make_plan"),
+    "plan.ports": ("Problem", "fit"),
     "results.energy": ("BondResidual",),
     "results.metrics": ("dominant_frequency", "peak", "rms"),
     "results.run": ("Run",),

@@ -11,9 +11,11 @@ from orchestrator import (
     Description,
     OrchestratorError,
     PortMap,
+    Problem,
     System,
     Variable,
     describe,
+    fit,
 )
 from orchestrator.errors import (
     FmuError,
@@ -34,7 +36,6 @@ from orchestrator.masters.coupling import (
     couple,
     interpolated,
 )
-from orchestrator.plan.connections import DRIVES
 from orchestrator.plan.plan import (
     Plan,
     make_plan,
@@ -189,41 +190,40 @@ def _compare_port(
     elif variable.causality != port.causality:
         article = "an" if variable.causality[0] in "aeiou" else "a"
         result.unusable.append(f"{port.name} is {article} {variable.causality}, not {kind}")
-    elif not _exchanges(port, variable):
-        result.unusable.append(
-            f"{port.name} is of type {variable.type}; the port is of type {port.type}"
-        )
-    elif variable.unit is None and port.unit not in NO_UNIT:
-        result.unitless.append(port.label)
+    elif variable.clocked:
+        result.unusable.append(_other_type(port, variable))
     else:
-        _compare_units(result, port, own, variable, found)
+        _compare_ends(result, port, own, variable, found)
 
 
-def _exchanges(port: Variable, variable: Variable) -> bool:
-    """Whether a variable gives what the port gives, or takes what it takes."""
-    ends = (variable, port) if port.causality == "output" else (port, variable)
-    kinds = (ends[0].kind, ends[1].kind)
-    return kinds in DRIVES and not variable.clocked
-
-
-def _compare_units(
+def _compare_ends(
     result: StandIn, port: Variable, own: Description, variable: Variable, found: Description
 ) -> None:
-    ends = [(port.unit or "1", own.units), (variable.unit or "1", found.units)]
-    (source, sources), (target, targets) = ends if port.causality == "input" else ends[::-1]
-    try:
-        factors = conversion(source, target, sources, targets)
-    except UnitError as error:
-        result.unusable.append(f"{port.name}: {error}; define it in the FMU's UnitDefinitions")
-        return
-    if factors is None:
+    """Whether a variable gives what the port gives, or takes what it takes."""
+    ends = [(port, own), (variable, found)]
+    (source, giving), (target, taking) = ends if port.causality == "input" else ends[::-1]
+    match = fit(source, giving, target, taking)
+    if match.problem is Problem.KIND:
+        result.unusable.append(_other_type(port, variable))
+    elif variable.unit is None and port.unit not in NO_UNIT:
+        result.unitless.append(port.label)
+    elif match.problem is Problem.UNKNOWN_UNIT:
+        result.unusable.append(
+            f"{port.name}: {match.detail}; define it in the FMU's UnitDefinitions"
+        )
+    elif match.problem is Problem.DIMENSION:
         result.unusable.append(
             f"{port.name} is in {variable.unit}, which measures something else than {port.unit}"
         )
-    elif factors == (1.0, 0.0):
+    elif (match.gain, match.offset) == (1.0, 0.0):
         result.fitting.append(port.name)
     else:
-        result.converted.append(Converted(port.name, source, target, *factors))
+        units = (source.unit or "1", target.unit or "1")
+        result.converted.append(Converted(port.name, *units, match.gain, match.offset))
+
+
+def _other_type(port: Variable, variable: Variable) -> str:
+    return f"{port.name} is of type {variable.type}; the port is of type {port.type}"
 
 
 def _lookalike(port: Variable, own: Description, found: Description) -> str:
