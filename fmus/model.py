@@ -9,7 +9,7 @@ import copy
 from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from typing import Any
 
-from .describe.variables import Array, Constant, Input, Output, Parameter, Tangent, Variable
+from .describe.variables import Array, Constant, Input, Output, Parameter, Tangent, Values, Variable
 
 __all__ = ["Input", "Model", "Output", "Parameter", "Tangent", "Values"]
 
@@ -20,9 +20,6 @@ KINDS: Mapping[str, Callable[[float], float]] = {
     "enumeration": int,
 }
 """Types of the values of a parameter."""
-
-Values = Mapping[str, float]
-"""Numbers [SI] by the names of variables."""
 
 
 class Model:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..describe.experiment import TIMES, Experiment, Table, Values, held
+from ..describe.experiment import TIMES, Experiment, Table, held
+from ..describe.variables import Values
 from .block import ENDS, FORCES, MOTIONS, Carbody
 from .modes import frequencies, mode_shapes, motion_after
 

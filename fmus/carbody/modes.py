@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from math import pi
 
 import numpy as np
 from scipy.linalg import expm
 
+from ..describe.variables import Values
 from .block import BEAM_WAVE_NUMBER, MODES, Carbody
-
-Values = Mapping[str, float]
 
 
 def motion_after(

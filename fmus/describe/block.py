@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 from .terminals import Terminal
-from .variables import Array, Constant, Input, Output, Parameter, Tangent, Variable
+from .variables import Array, Constant, Input, Output, Parameter, Tangent, Values, Variable
 
 Signals = Mapping[str, ca.SX]
 """Symbols or expressions by name. They are scalars; derived constants may be matrices."""
@@ -84,12 +84,9 @@ class Block:
         values = self.derived(p)
         return ca.Function("derived", [_vector(p)], [_flat(values)])
 
+    @cached_property
     def derived_shapes(self) -> dict[str, tuple[int, int]]:
         """Name and shape of each derived constant, in order."""
-        return self._derived_shapes
-
-    @cached_property
-    def _derived_shapes(self) -> dict[str, tuple[int, int]]:
         values = self.derived(_symbols(self.parameters))
         return {name: ca.SX(value).shape for name, value in values.items()}
 
@@ -208,7 +205,7 @@ class Block:
         """Names of the event indicators, in their order."""
         groups = (self.states, self.inputs, self.parameters, self.modes)
         x, u, p, mode = (_symbols(variables) for variables in groups)
-        d = {name: ca.SX(*shape) for name, shape in self.derived_shapes().items()}
+        d = {name: ca.SX(*shape) for name, shape in self.derived_shapes.items()}
         return list(self.event_indicators(x, u, p, d, mode))
 
     @property
@@ -222,7 +219,7 @@ class Block:
         """The block's numerical functions, built once."""
         return Functions(self)
 
-    def parameter_vector(self, values: Mapping[str, float]) -> np.ndarray:
+    def parameter_vector(self, values: Values) -> np.ndarray:
         """Parameter values in the block's order [SI]; raises KeyError for a missing one."""
         return np.array([float(values[v.name]) for v in self.parameters])
 
@@ -250,7 +247,7 @@ class Functions:
     def __init__(self, block: Block) -> None:
         p, u, x = (_symbols(v) for v in (block.parameters, block.inputs, block.states))
         rate = {v.name: ca.SX.sym(f"rate_{v.name}") for v in block.inputs}
-        shapes = block.derived_shapes()
+        shapes = block.derived_shapes
         d = {name: ca.SX.sym(name, *shape) for name, shape in shapes.items()}
         h = ca.SX.sym("h")
         rows, columns = (block.table.rows, block.table.station_count) if block.table else (0, 0)

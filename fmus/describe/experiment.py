@@ -6,7 +6,7 @@ Each block states its own in `experiment.py` of its folder; `fmus.reference` wri
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from .block import Block
 from .parameters import DEFAULT_SET, parameter_set
+from .variables import Values
 
 STEP = 1e-3
 """Communication step [s] of all experiments."""
@@ -21,7 +22,6 @@ STEP = 1e-3
 TIMES = np.linspace(0.0, 1.0, 51)
 """When results are read [s]."""
 
-Values = Mapping[str, float]
 Table = dict[str, np.ndarray]
 """Columns by name; the first is `time` [s]."""
 

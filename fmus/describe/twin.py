@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import casadi as ca
 import numpy as np
 
 from .block import Block
-
-Values = Mapping[str, float]
-"""Numbers [SI] by the names of variables."""
+from .variables import Values
 
 
 class Twin:

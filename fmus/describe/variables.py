@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
+
+Values = Mapping[str, float]
+"""Numbers [SI] by the names of variables."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +90,11 @@ class Array:
 def vector(name: str, size: int, description: str) -> Array:
     """The array of the variables name[1] to name[size]."""
     return Array(name, description, tuple(f"{name}[{i}]" for i in range(1, size + 1)), (size,))
+
+
+def choice(name: str, description: str, choices: tuple[str, ...]) -> Parameter:
+    """A parameter that is one of the choices, the first by default."""
+    return Parameter(name, "1", description, kind="enumeration", choices=choices, default=1.0)
 
 
 MAX = 1.7976931348623157e308

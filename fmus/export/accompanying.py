@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
 from ..describe.block import Block
 from ..describe.parameters import ParameterSet
+from ..describe.variables import Values
 from .documentation import documentation
 from .xml.references import references
 from .xml.terminals import terminals_and_icons
@@ -15,7 +15,7 @@ HERE = Path(__file__).parent
 
 
 def accompanying_files(
-    block: Block, parameters: ParameterSet, start: Mapping[str, float], description: str
+    block: Block, parameters: ParameterSet, start: Values, description: str
 ) -> dict[str, bytes]:
     """The files by their place in the archive.
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
 import casadi as ca
 
 from ..describe.block import Block
-from ..describe.variables import MAX, Variable, limits
+from ..describe.variables import MAX, Values, Variable, limits
 from .tables import array_tables, c_tables
 
 NATIVE = Path(__file__).parent / "native"
@@ -26,7 +26,7 @@ TABLE_SLOTS = 16
 """Pages of a table that an instance keeps: more than the car's length spans."""
 
 
-def sources(block: Block, start: Mapping[str, float], fmi: str, guid: str) -> dict[str, str]:
+def sources(block: Block, start: Values, fmi: str, guid: str) -> dict[str, str]:
     """All C files of the FMU for a version of FMI by name. start: parameter values [SI]."""
     files = {path.name: path.read_text() for path in _native(fmi)}
     files["equations.h"] = _equations(block)
@@ -130,7 +130,7 @@ def _counts(block: Block) -> str:
     )
 
 
-def _variables(block: Block, start: Mapping[str, float]) -> str:
+def _variables(block: Block, start: Values) -> str:
     rows = []
     for parameter in block.parameters:
         low, high = limits(parameter)

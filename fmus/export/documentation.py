@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from xml.etree import ElementTree
@@ -11,7 +11,7 @@ from markdown_it import MarkdownIt
 
 from ..describe.block import Block
 from ..describe.parameters import ParameterSet
-from ..describe.variables import Parameter, Variable
+from ..describe.variables import Parameter, Values, Variable
 from ..model import Model
 
 STYLE = """
@@ -82,7 +82,7 @@ CAPABILITIES = {
 def documentation(
     block: Block | Model,
     parameters: ParameterSet | None,
-    start: Mapping[str, float],
+    start: Values,
     readme: Path | None = None,
     description: str | None = None,
 ) -> str:
@@ -219,7 +219,7 @@ def _row(variable: Variable) -> tuple[str, str, str]:
 
 
 def _parameter_row(
-    parameter: Parameter, parameters: ParameterSet | None, start: Mapping[str, float]
+    parameter: Parameter, parameters: ParameterSet | None, start: Values
 ) -> tuple[str, ...]:
     value = start[parameter.name]
     shown = f"{value:.6g}"

@@ -17,12 +17,12 @@ import traceback
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 from pythonfmu.enums import Fmi2Status
 from pythonfmu.fmi2slave import Fmi2Slave
 
-from ..describe.variables import Input, Output, Parameter, Variable, limits
+from ..describe.variables import Input, Output, Parameter, Values, Variable, limits
 from ..model import Model
 from .stored import StateError, from_bytes, to_bytes
 
@@ -42,8 +42,8 @@ class Snapshot:
     owner: str
     phase: str = INSTANTIATED
     time: float = 0.0
-    p: Mapping[str, float] | None = None
-    u: Mapping[str, float] | None = None
+    p: Values | None = None
+    u: Values | None = None
     model: Mapping[str, Any] | None = None
     fault: str = ""
 
@@ -72,7 +72,7 @@ class Slave(Fmi2Slave):
     A subclass states `start_values` of the parameters [SI] and `create`.
     """
 
-    start_values: Mapping[str, float] = {}
+    start_values: ClassVar[Values] = {}
 
     def create(self) -> Model:
         """The instance's model."""
@@ -92,7 +92,7 @@ class Slave(Fmi2Slave):
         self._p = {v.name: self.start_values[v.name] for v in self.model.parameters}
         self._u = {v.name: v.start for v in self.model.inputs}
         self._phase, self._time, self._stop = INSTANTIATED, 0.0, math.inf
-        self._outputs: Mapping[str, float] | None = None
+        self._outputs: Values | None = None
         self._started = False
 
     def log(self, msg: str, *arguments: Any, **options: Any) -> None:
@@ -244,7 +244,7 @@ class Slave(Fmi2Slave):
                 values.append(self._u[variable.name])
         return values
 
-    def _refreshed(self) -> Mapping[str, float]:
+    def _refreshed(self) -> Values:
         """All outputs as they follow from what was set last."""
         if not self._started:
             self.model.start(self._p, self._u)
@@ -302,7 +302,7 @@ def _kind(variable: Variable) -> str:
     return "integer" if kind == "enumeration" else kind
 
 
-def _not_finite(outputs: Mapping[str, float]) -> str | None:
+def _not_finite(outputs: Values) -> str | None:
     """The first output that is not finite."""
     return next((name for name, value in outputs.items() if not math.isfinite(value)), None)
 

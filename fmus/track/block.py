@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import casadi as ca
 
 from ..describe.block import Block, Signals, State, Table
 from ..describe.terminals import RAILS, Terminal
-from ..describe.variables import Array, Input, Output, Parameter
+from ..describe.variables import Array, Input, Output, Parameter, choice
 from .irregularity import LINE_ROWS, LINES, NODES, SPACING, channel_lines, page_function
 from .spectra import CHANNELS, SPECTRA
 
@@ -59,14 +60,7 @@ class Track(Block):
     name = "track"
     description = "Track irregularities under the four axles of a car, from a spectrum and a seed"
     parameters = (
-        Parameter(
-            "spectrum",
-            "1",
-            "Spectrum of the irregularities",
-            kind="enumeration",
-            choices=SPECTRA,
-            default=1.0,
-        ),
+        choice("spectrum", "Spectrum of the irregularities", SPECTRA),
         Parameter(
             "seed",
             "1",
@@ -147,6 +141,7 @@ class Track(Block):
             page=ca.Function("page", [page, d], [nodes]),
         )
 
+    @cached_property
     def derived_shapes(self) -> dict[str, tuple[int, int]]:
         """The lines of all channels, and each channel's rms [m]."""
         return {"lines": LINES_SHAPE, "rms": (len(CHANNELS), 1)}

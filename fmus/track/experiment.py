@@ -6,7 +6,8 @@ from math import pi
 
 import numpy as np
 
-from ..describe.experiment import TIMES, Experiment, Table, Values, held
+from ..describe.experiment import TIMES, Experiment, Table, held
+from ..describe.variables import Values
 from .block import Track
 from .realisation import lines
 

@@ -8,18 +8,18 @@ rms(track)
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 import xarray
 from scipy import signal
 
+from ..describe.variables import Values
 from .block import Track
 from .irregularity import LINE_ROWS, LINES, NODES, SPACING
 from .spectra import CHANNELS
 
 
-def lines(values: Mapping[str, float]) -> dict[str, np.ndarray]:
+def lines(values: Values) -> dict[str, np.ndarray]:
     """Frequency [cycle/m], phase [turn], amplitude [m] of each channel's lines, (3, 300).
 
     values: all parameter values of the block [SI].
@@ -29,7 +29,7 @@ def lines(values: Mapping[str, float]) -> dict[str, np.ndarray]:
     return {channel: table[i, :, :3].T for i, channel in enumerate(CHANNELS)}
 
 
-def realisation(values: Mapping[str, float], length: float, start: float = 0.0) -> xarray.Dataset:
+def realisation(values: Values, length: float, start: float = 0.0) -> xarray.Dataset:
     """The four channels [m] at the table's nodes over a length [m], without the fade-in.
 
     Report figure 5-5. values: all parameter values of the block [SI].
@@ -91,6 +91,6 @@ def histogram(y: np.ndarray, bins: int = 40) -> tuple[np.ndarray, np.ndarray, np
     return edges, measured, normal
 
 
-def _derived(values: Mapping[str, float]) -> np.ndarray:
+def _derived(values: Values) -> np.ndarray:
     block = Track()
     return np.array(block.derived_function()(block.parameter_vector(values))).ravel()

@@ -25,7 +25,6 @@ SPECTRA = (
     "perfect",
 )
 """In the order of the enumeration, from 1."""
-CORNERS = ("long_wave", "corner", "cross_level")
 FOOT = 0.3048
 """[m]"""
 

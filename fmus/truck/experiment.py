@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..describe.experiment import TIMES, Experiment, Table, Values, held
+from ..describe.experiment import TIMES, Experiment, Table, held
 from ..describe.twin import Twin
+from ..describe.variables import Values
 from .block import Truck
 from .ports import AXLES
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from ..describe.block import State
 from ..describe.terminals import CENTRE_PLATE, RAILS, WHEELSET, Terminal
-from ..describe.variables import Array, Input, Output, Parameter, Tangent, Variable, vector
+from ..describe.variables import Array, Input, Output, Parameter, Tangent, Variable, choice, vector
 
 AXLES = (1, 2)
 COORDINATES = {
@@ -117,13 +117,10 @@ PARAMETERS = (
         for number, (name, unit) in enumerate(ELEMENTS.items(), start=1)
         for parameter in _element_parameters(name, number, unit)
     ),
-    Parameter(
+    choice(
         "wedge_law",
-        "1",
         "Friction of the wedges: constant (ASF) or proportional to the spring load (Barber)",
-        kind="enumeration",
-        choices=("constant", "load_proportional"),
-        default=1.0,
+        ("constant", "load_proportional"),
     ),
     Parameter(
         "micro_step",

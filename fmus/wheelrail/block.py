@@ -9,7 +9,7 @@ import casadi as ca
 
 from ..describe.block import Block, Signals
 from ..describe.terminals import RAILS, WHEELSET, Terminal
-from ..describe.variables import Input, Output, Parameter
+from ..describe.variables import Input, Output, Parameter, choice
 from .creep import LAWS, Law
 from .loaded_contact import loaded_contact, static_contact
 
@@ -56,14 +56,7 @@ class WheelRail(Block):
     name = "wheelrail"
     description = "Wheelset on two rails: creep, gravity, flange contact"
     parameters = (
-        Parameter(
-            "creep_law",
-            "1",
-            "Law of the creep forces",
-            kind="enumeration",
-            choices=CREEP_LAWS,
-            default=1.0,
-        ),
+        choice("creep_law", "Law of the creep forces", CREEP_LAWS),
         _positive("half_contact_spacing", "m", "Half distance of the contact points", "L_Y"),
         _positive("rolling_radius", "m", "Nominal rolling radius", "r_0"),
         Parameter("conicity", "1", "Wheel taper", symbol="alpha", minimum=0.0, tunable=True),
@@ -172,12 +165,12 @@ class WheelRail(Block):
         kind: Any = ca.MX if law == "fastsim" else ca.SX  # the grid stays a loop in C
         x, lookup = kind(0, 1), kind(0, 0)
         u, p = (kind.sym(n, len(v)) for n, v in (("u", self.inputs), ("p", self.parameters)))
-        d = kind.sym("d", len(self.derived_shapes()))
+        d = kind.sym("d", len(self.derived_shapes))
         y = self._outputs(
             LAWS.get(law),
             _by_name((port.name for port in self.inputs), u),
             _by_name((parameter.name for parameter in self.parameters), p),
-            _by_name(self.derived_shapes(), d),
+            _by_name(self.derived_shapes, d),
         )
         outputs = ca.vertcat(*(y[port.name] for port in self.outputs))
         return ca.Function(law, [x, u, p, d, lookup], [outputs], options or {})

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..describe.experiment import STEP, TIMES, Experiment, Table, Values
+from ..describe.experiment import STEP, TIMES, Experiment, Table
+from ..describe.variables import Values
 from .block import SIDES, WheelRail
 
 PLATEAU = 0.02

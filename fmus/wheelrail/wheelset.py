@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from math import pi, sqrt
@@ -11,9 +10,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ..describe.twin import Twin
+from ..describe.variables import Values
 from .block import WheelRail
-
-Values = Mapping[str, float]
 
 _block = cache(WheelRail)
 """One block for all speeds: building its functions takes far longer than a derivative."""

@@ -1,7 +1,7 @@
 """FMUs in Python, run by pythonfmu's binary: each block's own, and models in plain Python.
 
 `build_python` writes the Python flavour of a block, `pack` a model that a user has written. Both
-put the sources that they need into the archive, and the same slave (`fmus/slave.py`) around them.
+put the sources that they need into the archive, and the slave of `fmus.python` around them.
 """
 
 from __future__ import annotations

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from string import Template
 
+from ...describe.variables import Values
 from ..archive import NO_GUID, guid, write_archive
 from ..xml.fmi2 import Interface
 from .sources import PYTHONFMU, Sources
@@ -45,7 +46,7 @@ class Recipe:
     module: str
     model: str
     create: str
-    start: Mapping[str, float]
+    start: Values
     imports: Mapping[str, str]
 
     @property

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import random
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from ...describe.units import base_exponents
-from ...describe.variables import limits
+from ...describe.variables import Values, limits
 from ...model import Model
 from ...python.stored import from_bytes, to_bytes
 from .sources import PackError
@@ -85,7 +85,7 @@ def _behaviour(model: Model) -> Iterator[str]:
 def _state(model: Model, p: dict[str, float], u: dict[str, float]) -> Iterator[str]:
     """What differs in a step after the state was put back, as it is and from bytes."""
 
-    def step() -> Mapping[str, float]:
+    def step() -> Values:
         inputs = dict(u)
         model.step(p, inputs, STEP, STEP)
         return dict(model.output(p, inputs))

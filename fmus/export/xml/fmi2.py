@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement
 
 from ...describe.block import Block
+from ...describe.variables import Values
 from ...model import Model
 from ..archive import NO_GUID
 from ..code import unit_files
@@ -27,7 +28,7 @@ class Interface:
     sources: Sequence[str] = ()
 
 
-def model_description(block: Block, start: Mapping[str, float]) -> str:
+def model_description(block: Block, start: Values) -> str:
     """XML text of a native FMU's modelDescription.xml, without GUID. start: parameters [SI]."""
     head = {**OURS, "numberOfEventIndicators": str(len(block.indicators))}
     on = dependencies(block), initial_dependencies(block)
@@ -36,7 +37,7 @@ def model_description(block: Block, start: Mapping[str, float]) -> str:
 
 def described(
     model: Block | Model,
-    start: Mapping[str, float],
+    start: Values,
     head: Mapping[str, str],
     interfaces: Iterable[Interface],
     now: Dependencies,

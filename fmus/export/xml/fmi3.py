@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement
 
 from ...describe.block import Block
+from ...describe.variables import Values
 from ..archive import NO_GUID
 from ..dependencies import dependencies, initial_dependencies
 from . import document
@@ -17,7 +18,7 @@ INDICATORS = "event_indicator"
 """Name of the array of all event indicators; its reference is the highest."""
 
 
-def model_description(block: Block, start: Mapping[str, float]) -> str:
+def model_description(block: Block, start: Values) -> str:
     """XML text of a native FMU's modelDescription.xml, without GUID. start: parameters [SI]."""
     said = {"fmiVersion": "3.0", "instantiationToken": NO_GUID, **about(block), **OURS}
     root = Element("fmiModelDescription", said)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 from ...describe.block import Block
-from ...describe.variables import Array, Output, Parameter, Variable, limits
+from ...describe.variables import Array, Output, Parameter, Values, Variable, limits
 from ...model import Model
 
 T = TypeVar("T")
@@ -39,7 +39,7 @@ class ModelVariable:
 
 
 def scalars(
-    block: Block | Model, start: Mapping[str, float], at_start: Mapping[str, Iterable[str]]
+    block: Block | Model, start: Values, at_start: Mapping[str, Iterable[str]]
 ) -> list[ModelVariable]:
     """All variables but time, in the order of their references.
 
