@@ -111,7 +111,7 @@ class Extrapolating(Master):
 
 
 @cache
-def masters() -> Mapping[str, type[Master]]:
+def all_masters() -> Mapping[str, type[Master]]:
     """All masters by name, the default one first."""
     package = __name__.rpartition(".")[0]
     folder = import_module(package).__path__
@@ -135,10 +135,10 @@ def master_named(name: str, **options: Any) -> Master:
 
     Options that another master has are taken where they are as usual.
     """
-    if name not in masters():
-        raise CouplingError(f"there is no master '{name}'; {choices(name, masters())}")
+    if name not in all_masters():
+        raise CouplingError(f"there is no master '{name}'; {choices(name, all_masters())}")
     known = options_of_masters()
-    own = {f.name for f in fields(masters()[name])}
+    own = {f.name for f in fields(all_masters()[name])}
     for option_name, value in options.items():
         if option_name not in known:
             raise CouplingError(
@@ -150,13 +150,13 @@ def master_named(name: str, **options: Any) -> Master:
                 f"the master '{name}' has no option '{option_name}'; choose {', '.join(having)}, "
                 "or leave it out"
             )
-    return masters()[name](**{n: v for n, v in options.items() if n in own})
+    return all_masters()[name](**{n: v for n, v in options.items() if n in own})
 
 
 def options_of_masters() -> Mapping[str, tuple[Any, list[str]]]:
     """The usual value of each option, and the masters that have it."""
     found: dict[str, tuple[Any, list[str]]] = {}
-    for name, kind in masters().items():
+    for name, kind in all_masters().items():
         for f in fields(kind):
             found.setdefault(f.name, (f.default, []))[1].append(name)
     return found

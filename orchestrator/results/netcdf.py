@@ -12,6 +12,7 @@ import os
 import shutil
 import tempfile
 from collections.abc import Mapping, Sequence
+from io import FileIO
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +21,9 @@ from numpy.typing import NDArray
 
 from ..errors import ResultsError
 from ..fmu.description import Variable
+from .sink import Header
 
-NAME = "results.nc"
+RESULTS_NAME = NAME = "results.nc"
 
 STOPPED = "stopped"
 """Attribute with the reason of a run that did not reach its end."""
@@ -40,39 +42,34 @@ _BLOCK = 4 * 2**20  # bytes
 
 
 class ResultsFile:
-    """Rows of a record on disk, of which the first value is the time [s]."""
+    """A sink: rows of a record on disk, of which the first value is the time [s]."""
 
-    def __init__(self, path: Path, first_row: int, width: int) -> None:
-        """An existing file whose rows begin at a byte and hold `width` numbers each."""
-        self.path, self.first_row, self._width = path, first_row, width
-        self._stream = path.open("r+b", buffering=0)
-        self.rows = int.from_bytes(self._at(_ROW_COUNT, 4), "big")
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._opened = False
 
-    @classmethod
-    def create(
-        cls,
-        path: Path,
-        variables: Sequence[tuple[str, Variable]],
-        attributes: Mapping[str, Any],
-        rows: int = 0,
-    ) -> ResultsFile:
-        """A new file without rows, in the place of any old one; raises ResultsError.
+    def begin(self, header: Header) -> None:
+        """Be a new file without rows, in the place of any old one; raises ResultsError.
 
-        rows: how many will come, for which the disk must have room.
+        The disk must have room for the rows that will come. A file that was opened again is ready.
         """
+        if self._opened:
+            return
+        path = self.path
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            size, free = 8.0 * rows * (1 + len(variables)), shutil.disk_usage(path.parent).free
+            size = 8.0 * header.rows * (1 + len(header.variables))
+            free = shutil.disk_usage(path.parent).free
             if size > free:
                 raise ResultsError(
                     f"'{path}' would grow to {size / 1e9:.3g} GB, and the disk has "
                     f"{free / 1e9:.3g} GB left; keep fewer outputs or fewer rows, or choose "
                     "another folder"
                 )
-            header = _header(variables, {STOPPED: UNFINISHED, **attributes})
+            first = _header(header.variables, {STOPPED: UNFINISHED, **header.attributes})
             path.unlink(missing_ok=True)  # who reads the old file goes on reading it
-            path.write_bytes(header)
-            return cls(path, len(header), 1 + len(variables))
+            path.write_bytes(first)
+            self._open(len(first), 1 + len(header.variables))
         except OSError as error:
             raise ResultsError(
                 f"'{path}' cannot be written: {_reason(error)}; choose another folder"
@@ -84,7 +81,8 @@ class ResultsFile:
         try:
             if path.stat().st_size < first_row + 8 * width * rows:
                 raise ResultsError(f"'{path}' is shorter than its checkpoint says; run anew")
-            file = cls(path, first_row, width)
+            file = cls(path)
+            file._open(first_row, width)
             file.cut(rows)
             file.say({STOPPED: UNFINISHED})
             return file
@@ -98,7 +96,15 @@ class ResultsFile:
         """A file that is complete, with `width` numbers in a row."""
         with path.open("rb") as stream:
             rows = int.from_bytes(stream.read(_ROW_COUNT + 4)[_ROW_COUNT:], "big")
-        return cls(path, path.stat().st_size - 8 * width * rows, width)
+        file = cls(path)
+        file._open(path.stat().st_size - 8 * width * rows, width)
+        return file
+
+    def _open(self, first_row: int, width: int) -> None:
+        """Take a file whose rows begin at a byte and hold `width` numbers each."""
+        self.first_row, self._width = first_row, width
+        self._stream, self._opened = FileIO(self.path, "r+b"), True
+        self.rows = int.from_bytes(self._at(_ROW_COUNT, 4), "big")
 
     def append(self, rows: NDArray[np.float64]) -> None:
         """Add rows, shape (n, 1 + variables); raises ResultsError, with those that fit kept."""
@@ -145,7 +151,8 @@ class ResultsFile:
 
     def close(self) -> None:
         """Close; what was appended is there."""
-        self._stream.close()
+        if self._opened:
+            self._stream.close()
 
     def read(self) -> NDArray[np.float64]:
         """All rows, time first, read from the file as they are looked at."""

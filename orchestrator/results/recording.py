@@ -1,4 +1,4 @@
-"""What a run leaves row by row: a window of it in memory, energies summed, the rest in a file."""
+"""What a run leaves row by row: a window of it in memory, energies summed, all of it to sinks."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .energy import (
     BondResidual,
     BondSums,
 )
-from .netcdf import ResultsFile
+from .sink import Sink
 
 BLOCK = 2048
 """Rows that are written at a time."""
@@ -31,7 +31,7 @@ class Recording:
     rows, ends: arrays of the whole shape, indexed by macro step, whatever is in memory of them; no
     other rows than those from `first` to `last` may be touched. constant: inputs that nothing
     drives, which stand behind the columns. every: rows at its multiples are kept. memory: bound
-    of what is held [bytes]; older rows go to `file`.
+    of what is held [bytes]; older rows go to the sinks.
     """
 
     def __init__(
@@ -45,7 +45,7 @@ class Recording:
     ) -> None:
         self._plan, self._grid = plan, grid
         self._constant, self._every, self._behind = constant, every, prepared.behind
-        self.file: ResultsFile | None = None
+        self.sinks: list[Sink] = []
         columns = len(plan.columns)
         self._count = grid.steps + 1
         if memory is not None:
@@ -73,18 +73,20 @@ class Recording:
     def take(self, done: int, now: bool = False) -> None:
         """Rows before `done` are complete: write them where that is due, or `now`; make room.
 
-        Raises ResultsError where the file cannot be written.
+        Raises ResultsError where a sink cannot go on.
         """
         full = self.last < self._grid.steps and done > self.last
-        waited = self.file is not None and time.perf_counter() - self._flushed > FLUSH
+        waited = bool(self.sinks) and time.perf_counter() - self._flushed > FLUSH
         if not (now or full or waited):
             return
         while self._taken < done:
             first, self._taken = self._taken, min(self._taken + BLOCK, done)
             before = max(first - 1, 0)
             self._sums.add(self.rows[before : self._taken], self.ends[before : self._taken - 1])
-            if self.file is not None:
-                self.file.append(self.kept(first, self._taken))
+            if self.sinks:
+                kept = self.kept(first, self._taken)
+                for sink in self.sinks:
+                    sink.append(kept)
         self._flushed = time.perf_counter()
         if full:
             first = max(self.first, done - self._behind)
@@ -122,6 +124,10 @@ class Recording:
         times = self._grid.time(np.arange(first, last, self._every))
         constant = np.broadcast_to(self._constant, (len(times), len(self._constant)))
         return np.hstack([times[:, None], values, constant])
+
+    def row(self, k: int) -> NDArray[np.float64]:
+        """Row k of the record, which must be in memory, as a view, shape (columns,)."""
+        return self._rows[k - self.first]
 
     def _show(self, first: int) -> None:
         self.first = first

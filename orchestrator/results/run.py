@@ -2,37 +2,25 @@
 
 from __future__ import annotations
 
-import csv
-import json
-from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from ..fmu.description import Variable
-from ..run.texts import (
-    Changes,
-    write_texts,
-)
-from ..trust.findings import (
-    Evidence,
-    Verdict,
-)
+from ..run.outcome import Outcome
+from ..run.texts import Changes, write_texts
+from ..trust.findings import Evidence, Verdict
 from ..trust.verdict import judge
+from . import csv_table
 from .energy import BondResidual
-from .netcdf import (
-    NAME,
-    STOPPED,
-    ResultsFile,
-    described,
-)
-
-if TYPE_CHECKING:
-    import xarray as xr
+from .netcdf import NAME, STOPPED, ResultsFile, described
+from .sink import Header, Sink
 
 BLOCK = 4096
 """Rows that are written at a time."""
@@ -65,7 +53,7 @@ class Statistics:
 
 @dataclass
 class Run:
-    """A run, also one that stopped early; then `message` says why, and what came before is kept.
+    """A run, also one that stopped early; then `outcome` is why, and what came before is kept.
 
     record: values [the variables' units], shape (times, variables). path: the file that was written
     during the run; then values are read from it as they are asked for. texts: of each text output
@@ -76,14 +64,23 @@ class Run:
     record: NDArray[np.float64]
     variables: list[tuple[str, Variable]]
     attributes: dict[str, Any]
-    completed: bool
-    message: str | None
+    outcome: Outcome | None
     bonds: list[BondResidual]
     statistics: Statistics
     notes: list[str] = field(default_factory=list)
     path: Path | None = None
     texts: Changes = field(default_factory=dict)
     evidence: Evidence = field(default_factory=Evidence)
+
+    @property
+    def completed(self) -> bool:
+        """Whether it reached its end."""
+        return self.outcome is None
+
+    @property
+    def message(self) -> str | None:
+        """Why it stopped early, in a sentence."""
+        return None if self.outcome is None else str(self.outcome)
 
     @property
     def verdict(self) -> Verdict:
@@ -98,8 +95,6 @@ class Run:
     @cached_property
     def dataset(self) -> xr.Dataset:
         """One variable for each "instance.variable" over `time` [s], with units and provenance."""
-        import xarray as xr
-
         if self.path is not None:
             return xr.open_dataset(self.path, engine="netcdf4")
         # By variable, so that each is one piece of memory.
@@ -115,47 +110,21 @@ class Run:
         """Write results.nc into the folder, and texts.csv if there are any; raises ResultsError."""
         path = Path(folder) / NAME
         if self.path is None or not path.exists() or not path.samefile(self.path):
-            file = ResultsFile.create(path, self.variables, self.attributes)
-            for block in self._blocks():
-                file.append(block)
-            file.finish({STOPPED: self.message})
+            self.give(ResultsFile(path))
             write_texts(self.texts, path.parent)
         return path
 
     def write_csv(self, folder: Path | str) -> Path:
         """Write results.csv into the folder: time and variables with their units, every digit."""
-        path = Path(folder) / "results.csv"
-        with path.open("w", newline="") as stream:
-            writer = csv.writer(stream)
-            writer.writerow(
-                [
-                    "time [s]",
-                    *(f"{name} [{variable.unit or '1'}]" for name, variable in self.variables),
-                ]
-            )
-            for block in self._blocks():
-                writer.writerows(block.tolist())
+        path = Path(folder) / csv_table.NAME
+        self.give(csv_table.CsvTable(path))
         return path
 
-    def _blocks(self) -> Iterator[NDArray[np.float64]]:
-        """Time and record, some rows at a time."""
-        for first in range(0, len(self.time), BLOCK):
-            block = slice(first, first + BLOCK)
-            yield np.column_stack([self.time[block], self.record[block]])
-
-
-def provenance(**given: Any) -> dict[str, Any]:
-    """Attributes of a dataset: text and numbers as they are, everything else as JSON."""
-    from importlib.metadata import PackageNotFoundError, version
-
-    versions = {}
-    for package in ("tracktrain", "fmpy", "numba", "numpy"):
-        try:
-            versions[package] = version(package)
-        except PackageNotFoundError:
-            continue
-    return {
-        key: value if isinstance(value, (str, int, float)) else json.dumps(value)
-        for key, value in {**given, "versions": versions}.items()
-        if value is not None
-    }
+    def give(self, sink: Sink) -> None:
+        """Give all rows to a sink, some at a time; raises what the sink raises."""
+        sink.begin(Header(self.variables, self.attributes, len(self.time)))
+        with closing(sink):
+            for first in range(0, len(self.time), BLOCK):
+                block = slice(first, first + BLOCK)
+                sink.append(np.column_stack([self.time[block], self.record[block]]))
+            sink.finish({STOPPED: self.message})

@@ -10,27 +10,24 @@ import io
 import json
 import os
 import zipfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import CheckpointError
+from ..masters.base import Master, Prepared
+from ..plan.plan import Plan
+from ..results.netcdf import ResultsFile
+from ..results.recording import Recording
 from ..slaves.base import Slave
-from ..system.encoding import (
-    decode,
-    encode,
-)
+from ..system.encoding import decode, encode
 from ..system.system import System
-
-if TYPE_CHECKING:
-    from ..masters.base import Prepared
-    from ..plan.plan import Plan
-    from ..results.netcdf import ResultsFile
-    from ..results.recording import Recording
+from .context import Context
+from .settings import Settings
 
 NAME = "checkpoint"
 """Name of the file, beside the results."""
@@ -46,7 +43,8 @@ class Checkpoint:
     """
 
     system: System
-    settings: dict[str, Any]
+    master: Master
+    settings: Settings
     fmus: dict[str, str]
     rows: int
     kept: int
@@ -86,22 +84,20 @@ class Checkpoints:
     def __init__(
         self,
         interval: int,
-        system: System,
-        settings: Mapping[str, Any],
-        plan: Plan,
-        slaves: Sequence[Slave],
-        prepared: Prepared,
+        context: Context,
         recording: Recording,
         file: ResultsFile,
     ) -> None:
         self.interval = interval
         self.path = file.path.parent / NAME
-        self._slaves, self._prepared, self._recording = slaves, prepared, recording
-        self._file = file
+        self._slaves, self._prepared = context.slaves, context.prepared
+        self._recording, self._file = recording, file
+        plan = context.plan
         self._said = {
             "format": FORMAT,
-            "system": encode(system),
-            "settings": encode(settings),
+            "system": encode(context.system),
+            "master": encode(context.master),
+            "settings": encode(context.settings),
             "fmus": dict(zip(plan.names, (d.sha256 for d in plan.descriptions), strict=True)),
             "first_row": file.first_row,
         }
@@ -150,6 +146,7 @@ def read_checkpoint(folder: Path | str) -> Checkpoint:
         ]
         return Checkpoint(
             system=decode(said["system"]),
+            master=decode(said["master"]),
             settings=decode(said["settings"]),
             fmus=said["fmus"],
             rows=said["rows"],

@@ -5,40 +5,28 @@ from __future__ import annotations
 import signal
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import (
-    CheckpointError,
-    OrchestratorError,
-    ResultsError,
-    SlaveError,
-)
-from ..masters.base import Prepared
-from ..masters.loop.tables import (
-    LOOP,
-    NOT_CONVERGED,
-    NOT_FINITE,
-)
-from ..plan.plan import (
-    Plan,
-    columns_of,
-)
+from ..errors import CheckpointError, OrchestratorError, ResultsError, SlaveError
+from ..masters.loop.idle import address_of_idle
+from ..masters.loop.tables import LOOP, NOT_CONVERGED, NOT_FINITE
+from ..plan.plan import columns_of
 from ..results.recording import Recording
 from ..results.run import Iterations
 from ..slaves.abi import Addresses
-from ..slaves.base import (
-    Slave,
-)
 from .checkpoint import Checkpoints
-from .grid import Grid
+from .context import Context
 from .initial_values import loop_failure
-from .simulate import Progress
+from .outcome import Kind, Outcome
 from .texts import Texts
+
+Progress = Callable[[float, float], None]
+"""Called with simulated time and wall time of stepping [s]."""
 
 CHUNK = 0.07
 """Wall time [s] between two looks at the progress callback and at Ctrl-C."""
@@ -52,20 +40,19 @@ class Stepper:
 
     def __init__(
         self,
-        prepared: Prepared,
-        plan: Plan,
-        slaves: Sequence[Slave],
-        grid: Grid,
+        context: Context,
         recording: Recording,
-        compiled: bool,
+        texts: Texts,
+        checkpoints: Checkpoints | None = None,
     ) -> None:
-        self._plan, self._slaves, self._grid = plan, slaves, grid
-        self._prepared, self._recording = prepared, recording
-        self._advance = prepared.advance if compiled else prepared.advance.py_func
+        self._plan, self._slaves, self._grid = context.plan, context.slaves, context.grid
+        self._prepared, self._recording = context.prepared, recording
+        self._texts, self._checkpoints = texts, checkpoints
+        advance = context.prepared.advance
+        self._advance = advance if context.settings.compiled else advance.py_func
         self._report = np.array([1, 0, 0, 0], np.int64)
         self._chunk(0, 0)  # compiles, or loads what was compiled before
         self.wall = 0.0
-        self.notes = self._prepared.notes
 
     @property
     def rows_done(self) -> int:
@@ -80,56 +67,64 @@ class Stepper:
         """Take so many rows for complete."""
         self._report[0] = rows
 
-    def run(
-        self, progress: Progress | None, texts: Texts, checkpoints: Checkpoints | None = None
-    ) -> str | None:
-        """Step to the end, or to what stops it: the reason, else None.
+    def run(self, progress: Progress | None = None) -> Outcome | None:
+        """Step to the end, or to what stops it: why, else None."""
+        reason = self._guarded(lambda: self._to(self._grid.steps, progress))
+        unwritten = self.flush()
+        return reason or unwritten
 
-        Where there are texts to exchange, each step is a chunk of its own.
-        """
-        reason = self._run(progress, texts, checkpoints)
+    def step(self, last: int) -> Outcome | None:
+        """Step until so many macro steps are done, or to what stops it: why, else None."""
+        return self._guarded(lambda: self._to(last, None))
+
+    def flush(self) -> Outcome | None:
+        """Have all rows that are complete taken from the record: why that cannot be, else None."""
         with suppress(KeyboardInterrupt), uninterrupted():
             try:
                 self._recording.take(self.rows_done, now=True)
             except ResultsError as error:
-                return reason or self._unwritten(error)
-        return reason
+                return self._unwritten(error)
+        return None
 
-    def _run(
-        self, progress: Progress | None, texts: Texts, checkpoints: Checkpoints | None
-    ) -> str | None:
-        begin = time.perf_counter()
-        size = 1 if texts.watched else 16
+    def _guarded(self, stepping: Callable[[], Outcome | None]) -> Outcome | None:
+        begin, before = time.perf_counter(), self.wall
         try:
-            begins = self.rows_done == 1 and not texts.watched
-            done = self._begin() if begins else self.rows_done - 1
-            if self._report[1]:
-                return self._reason()
-            while done < self._grid.steps:
-                chunk_begin = time.perf_counter()
-                last = min(done + size, self._recording.last)
-                if checkpoints is not None:
-                    last = min(last, (done // checkpoints.interval + 1) * checkpoints.interval)
-                count, done = last - done, self._chunk(done, last)
-                self.wall = time.perf_counter() - begin
-                if self._report[1]:
-                    return self._reason()
-                spent = max(time.perf_counter() - chunk_begin, 1e-6)
-                with uninterrupted():
-                    self._recording.take(self.rows_done)
-                    texts.exchange(self._grid.time(done))
-                    if checkpoints is not None and done % checkpoints.interval == 0:
-                        checkpoints.write(self.rows_done)
-                if progress is not None:
-                    progress(self._grid.time(done), self.wall)
-                if not texts.watched:
-                    size = max(1, int(count * min(CHUNK / spent, 16.0)))
+            return stepping()
         except KeyboardInterrupt:
             return self._interrupted()
         except (ResultsError, CheckpointError, SlaveError) as error:
             return self._unwritten(error)
         finally:
-            self.wall = time.perf_counter() - begin
+            self.wall = before + time.perf_counter() - begin
+
+    def _to(self, end: int, progress: Progress | None) -> Outcome | None:
+        """Step in chunks; where there are texts to exchange, each step is one of its own."""
+        begin, before = time.perf_counter(), self.wall
+        texts, checkpoints = self._texts, self._checkpoints
+        size = 1 if texts.watched else 16
+        begins = self.rows_done == 1 and not texts.watched
+        done = self._begin() if begins else self.rows_done - 1
+        if self._report[1]:
+            return self._reason()
+        while done < end:
+            chunk_begin = time.perf_counter()
+            last = min(done + size, self._recording.last, end)
+            if checkpoints is not None:
+                last = min(last, (done // checkpoints.interval + 1) * checkpoints.interval)
+            count, done = last - done, self._chunk(done, last)
+            self.wall = before + time.perf_counter() - begin
+            if self._report[1]:
+                return self._reason()
+            spent = max(time.perf_counter() - chunk_begin, 1e-6)
+            with uninterrupted():
+                self._recording.take(self.rows_done)
+                texts.exchange(self._grid.time(done))
+                if checkpoints is not None and done % checkpoints.interval == 0:
+                    checkpoints.write(self.rows_done)
+            if progress is not None:
+                progress(self._grid.time(done), self.wall)
+            if not texts.watched:
+                size = max(1, int(count * min(CHUNK / spent, 16.0)))
         return None
 
     def _begin(self) -> int:
@@ -139,7 +134,7 @@ class Stepper:
             return 0
         columns, led = len(self._plan.columns), self._prepared.led
         rows = np.full((count * START + 1, columns), np.nan)
-        rows[0] = self._recording.rows[0]
+        rows[0] = self._recording.row(0)
         ends = np.empty((count * START, len(led)))
         self._call(0, count * START, self._grid.step / START, rows, ends, self._report)
         complete = int(self._report[0])
@@ -182,8 +177,6 @@ class Stepper:
         The rest is what the same macro loop takes when every call is to a function that returns
         at once: no clock is read inside the loop, which would cost more than many of the calls.
         """
-        from ..masters.loop.idle import address_of_idle
-
         steps = min(self._grid.steps, 2000)
         table = self._prepared.tables[0]
         idle = np.full_like(table.instance, address_of_idle())
@@ -226,46 +219,45 @@ class Stepper:
                 *(tables or self._prepared.tables),
             )
 
-    def _reason(self) -> str:
+    def _reason(self) -> Outcome:
         _, call, number, status = (int(n) for n in self._report)
         if call == NOT_FINITE:
-            row = self._recording.rows[self.rows_done]
+            row = self._recording.row(self.rows_done)
             column = next(n for n in self._order() if not np.isfinite(row[n]))
             instance, variable = self._plan.columns[column]
-            slave = self._slaves[instance]
-            return (
-                f"{self._plan.name(instance, variable)} is {row[column]} at t = "
-                f"{self._time(self.rows_done):g} s{slave.said()}"
+            return Outcome(
+                Kind.NOT_FINITE,
+                self._time(self.rows_done),
+                self._plan.names[instance],
+                variable.name,
+                why=f"{row[column]}",
+                said=self._slaves[instance].said(),
             )
         if call == LOOP:
-            failure = loop_failure(self._plan, self._report)
-            return f"{failure} at t = {self._time(self.rows_done):g} s"
+            why = loop_failure(self._plan, self._report)
+            return Outcome(Kind.LOOP, self._time(self.rows_done), why=why)
         if call == NOT_CONVERGED:
             return self._unconverged(number, status)
         slave = self._slaves[number]
         if slave.interrupt is not None:
             return self._interrupted()
-        if slave.has_ended():
-            return (
-                f"{slave.name} asks to end the run in the step from t = "
-                f"{self._time(self.rows_done - 1):g} s{slave.said()}"
-            )
-        return (
-            f"{slave.name}: {slave.fault(call, status)} in the step from "
-            f"t = {self._time(self.rows_done - 1):g} s{slave.said()}"
-        )
+        kind, why = Kind.ASKED, ""
+        if not slave.has_ended():
+            kind, why = Kind.REFUSED, slave.fault(call, status)
+        return Outcome(kind, self.now(), slave.name, why=why, said=slave.said())
 
-    def _unconverged(self, group: int, unknown: int) -> str:
+    def _unconverged(self, group: int, unknown: int) -> Outcome:
         solved = self._prepared.solved
         assert solved is not None
-        tries = solved.unknowns.state[group, 0]
         n = int(solved.unknowns.first[group]) + unknown
         value, residual = solved.unknowns.value[n], solved.unknowns.residual[n]
-        return (
-            f"{', '.join(solved.slaves[group])} do not agree after {tries} evaluations of the step "
-            f"from t = {self._time(self.rows_done - 1):g} s: {solved.labels[group][unknown]} still "
-            f"changes by {residual:.1e} at {value:g}; give a shorter step, another method or a "
-            "larger tolerance"
+        return Outcome(
+            Kind.NOT_CONVERGED,
+            self.now(),
+            ", ".join(solved.slaves[group]),
+            solved.labels[group][unknown],
+            f"still changes by {residual:.1e} at {value:g}",
+            evaluations=int(solved.unknowns.state[group, 0]),
         )
 
     def _order(self) -> list[int]:
@@ -277,11 +269,11 @@ class Stepper:
         spans += [columns_of(self._plan, batch) for batch in self._plan.batches]
         return [n for span in spans for n in range(*span)]
 
-    def _interrupted(self) -> str:
-        return f"interrupted at t = {self._time(self.rows_done - 1):g} s"
+    def _interrupted(self) -> Outcome:
+        return Outcome(Kind.INTERRUPTED, self.now())
 
-    def _unwritten(self, error: OrchestratorError) -> str:
-        return f"{error}; stopped at t = {self._time(self.rows_done - 1):g} s"
+    def _unwritten(self, error: OrchestratorError) -> Outcome:
+        return Outcome(Kind.UNWRITTEN, self.now(), why=str(error))
 
     def _time(self, row: int) -> float:
         return self._grid.time(row)

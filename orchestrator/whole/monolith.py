@@ -6,7 +6,7 @@ It is what a co-simulation of the same system is judged by. The FMUs must offer 
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from itertools import pairwise
 from typing import Any
@@ -18,10 +18,14 @@ from scipy.optimize import brentq
 
 from ..errors import CouplingError, OrchestratorError
 from ..plan.order import evaluation_order
-from ..plan.plan import Plan, feedthrough, start_values
-from ..results.run import Run, Statistics, provenance
+from ..plan.plan import Plan, feedthrough
+from ..results.netcdf import STOPPED
+from ..results.provenance import provenance
+from ..results.run import Run, Statistics
 from ..run.grid import Grid, make_grid
 from ..run.log import Logger, listener
+from ..run.outcome import Kind, Outcome
+from ..run.stepping import Progress
 from ..system.system import System
 from .model_exchange import ITERATIONS, Array, Call, Model, load_models, plan_whole
 
@@ -33,9 +37,6 @@ LOCATED = 1e-12
 
 CROWD = 200
 """Events between two samples after which a run that gets no further is given up."""
-
-Progress = Callable[[float, float], None]
-"""Called with simulated time and wall time [s]."""
 
 
 def monolith(
@@ -78,20 +79,12 @@ def monolith(
         record=np.hstack([kept, np.broadcast_to(constant, (done, len(constant)))]),
         variables=[(plan.name(i, v), v) for i, v in named],
         attributes=provenance(
-            master="monolith",
-            tolerance=tolerance,
-            step=sample,
-            start=start,
-            parameters=start_values(plan),
-            fmus={
-                name: {"file": d.label, "sha256": d.sha256}
-                for name, d in zip(plan.names, plan.descriptions, strict=True)
-            },
-            notes=[*notes, *plan.notes],
-            stopped=message,
+            plan,
+            {"master": "monolith", "tolerance": tolerance, "step": sample, "start": start},
+            [*notes, *plan.notes],
+            {STOPPED: message},
         ),
-        completed=message is None,
-        message=message,
+        outcome=Outcome(Kind.FAILED, grid.time(done - 1), why=message) if message else None,
         bonds=[],
         statistics=Statistics(wall_load, wall, (done - 1) * sample / wall),
         notes=[*notes, *plan.notes, counts],

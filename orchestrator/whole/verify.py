@@ -17,10 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import OrchestratorError
+from ..masters.base import Master
 from ..plan.plan import make_plan
 from ..results.netcdf import VERDICT, ResultsFile
 from ..results.run import Run
-from ..run.simulate import simulate, span
+from ..run.log import Logger
+from ..run.settings import Settings, chosen
+from ..run.simulate import ONE_PASS, USUAL, simulate
+from ..run.stepping import Progress
 from ..slaves.session import Session
 from ..system.system import System
 from ..trust.findings import Error, Refinement
@@ -43,34 +47,50 @@ Array = NDArray[np.float64]
 
 def verify(
     system: System,
+    master: Master | str = ONE_PASS,
+    settings: Settings = USUAL,
     *,
     outputs: Sequence[str] | None = None,
     twin: float = TWIN,
     run: Run | None = None,
-    **how: Any,
+    progress: Progress | None = None,
+    logger: Logger | None = None,
+    session: Session | None = None,
+    **given: Any,
 ) -> Run:
-    """The run that `simulate(system, **how)` makes, with its errors in `evidence.refinement`.
+    """The run that `simulate` makes of the same, with its errors in `evidence.refinement`.
 
     outputs: names or patterns of those that are judged; None takes all that drive an input, else
     all. twin: time over which it is compared with the monolithic twin [s], where all FMUs offer
     model exchange; 0 for none. run: the run itself, where it was made before. Raises
     OrchestratorError as `simulate` does.
     """
-    start, duration, step = span(
-        system.experiment, how.get("start"), how.get("duration"), how.get("step")
-    )
+    master, settings = chosen(master, settings, given)
+    start, duration, step = settings.span(system.experiment)
     names = _chosen(system, outputs)
     if run is None:
-        run = simulate(system, **how)
+        run = simulate(system, master, settings, progress=progress, logger=logger, session=session)
     notes: list[str] = []
     errors: list[Error] = []
     if run.completed:
-        again = {k: v for k, v in how.items() if k not in _OF_THE_RUN}
-        again |= {"duration": duration, "start": start, "record": names}
         # The rows of all runs at the times that the coarsest has, whatever it kept of them.
+        again = Settings(
+            duration=duration,
+            start=start,
+            record=tuple(names),
+            isolate=settings.isolate,
+            timeout=settings.timeout,
+            compiled=settings.compiled,
+        )
         with Session() as session:
             coarse, *finer = (
-                simulate(system, **again, session=session, step=step / n, every=n)
+                simulate(
+                    system,
+                    master,
+                    replace(again, step=step / n, every=n),
+                    logger=logger,
+                    session=session,
+                )
                 for n in (1, 2, 4)
             )
         stopped = next((r for r in finer if not r.completed), None)
@@ -94,11 +114,6 @@ def verify(
         file = ResultsFile.finished(run.path, 1 + len(run.variables))
         file.finish({VERDICT: str(judged.verdict)})
     return judged
-
-
-_OF_THE_RUN = ("duration", "start", "step", "record", "every", "out", "checkpoint", "measure",
-               "self_test", "progress", "command", "memory", "session")  # fmt: skip
-"""Arguments of `simulate` that its repetitions do not have, or have other ones of."""
 
 
 def _chosen(system: System, outputs: Sequence[str] | None) -> list[str]:

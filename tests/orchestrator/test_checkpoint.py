@@ -24,7 +24,7 @@ from orchestrator import (
     resume,
     simulate,
 )
-from orchestrator.masters.base import masters
+from orchestrator.masters.base import all_masters
 
 SECONDS = 4.0
 STEP = 1e-3
@@ -57,7 +57,7 @@ def interrupted_at(seconds: float):
     return progress
 
 
-@pytest.mark.parametrize("master", masters())
+@pytest.mark.parametrize("master", all_masters())
 def test_resumed_run_is_equal_to_the_last_bit(tmp_path, master):
     whole, parts = tmp_path / "whole", tmp_path / "parts"
     options = {"duration": SECONDS, "step": STEP, "master": master, "memory": 1e6, "every": 3}

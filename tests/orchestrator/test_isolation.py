@@ -25,7 +25,7 @@ from orchestrator import (
     resume,
     simulate,
 )
-from orchestrator.masters.base import masters
+from orchestrator.masters.base import all_masters
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="isolation needs Linux or macOS")
 
@@ -136,7 +136,7 @@ def test_instance_that_cannot_be_isolated(fmu):
     )
 
 
-@pytest.mark.parametrize("master", masters())
+@pytest.mark.parametrize("master", all_masters())
 @pytest.mark.parametrize("compiled", [True, False], ids=["compiled", "python"])
 def test_isolation_changes_no_bit(master, compiled):
     """Inputs, input derivatives, tangents and a value that an FMU refuses go through it."""

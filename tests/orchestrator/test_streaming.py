@@ -20,7 +20,7 @@ from orchestrator import (
     OrchestratorError,
     simulate,
 )
-from orchestrator.masters.base import masters
+from orchestrator.masters.base import all_masters
 from orchestrator.results import recording
 
 ROWS = 64
@@ -35,7 +35,7 @@ def same(one: xr.Dataset, other: xr.Dataset) -> bool:
     )
 
 
-@pytest.mark.parametrize("master", masters())
+@pytest.mark.parametrize("master", all_masters())
 @pytest.mark.parametrize("compiled", [True, False], ids=["compiled", "python"])
 def test_bound_of_memory_changes_no_bit(tmp_path, master, compiled):
     """Through a window of some rows, over which the one-pass master extrapolates."""

@@ -9,17 +9,15 @@ from pathlib import Path
 from fmus.catalogue import fmu_path
 from orchestrator import (
     Description,
+    FmuError,
     OrchestratorError,
     PortMap,
     Problem,
     System,
+    UnitError,
     Variable,
     describe,
     fit,
-)
-from orchestrator.errors import (
-    FmuError,
-    UnitError,
 )
 from orchestrator.fmu.arrays import (
     shaped,

@@ -118,7 +118,7 @@ def chosen_file(
 
     unpacked: folder for the FMUs of an archive, where these are needed later.
     """
-    from orchestrator.ssp import read_ssp
+    from orchestrator import read_ssp
 
     from ..car import changes
 

@@ -1,0 +1,131 @@
+from .errors import (
+    ArchiveError,
+    CouplingError,
+    DimensionError,
+    FmuError,
+    OrchestratorError,
+    UnitError,
+    choices,
+)
+from .fmu.archive import Archive, open_archive
+from .fmu.arrays import shaped, taken_apart
+from .fmu.description import Description, Tangent, Variable
+from .fmu.port_map import Port, PortMap
+from .fmu.read import Contents, describe, open_fmu, survey
+from .fmu.units import Quantity, conversion, scale_of
+from .masters.base import Master, all_masters, master_named, options_of_masters
+from .masters.coupling import Way, couple, interpolated
+from .masters.gauss_seidel import GaussSeidel
+from .masters.iterated import Iterated
+from .masters.jacobi import Jacobi
+from .masters.one_pass import OnePass
+from .plan.plan import Plan, component_description, make_plan
+from .plan.ports import Problem, fit
+from .results.callback import Callback
+from .results.csv_table import CsvTable
+from .results.energy import BondResidual
+from .results.metrics import dominant_frequency, peak, rms
+from .results.netcdf import RESULTS_NAME, ResultsFile
+from .results.provenance import Provenance
+from .results.run import Run
+from .results.sink import Header, Sink
+from .run.checkpoint import read_checkpoint
+from .run.execution import Execution
+from .run.log import Log
+from .run.outcome import Kind, Outcome
+from .run.settings import Settings
+from .run.simulate import resume, simulate
+from .slaves.inline import InlineModel, Mock
+from .slaves.session import Session
+from .ssp.port_map import read_port_map
+from .ssp.reader import read_ssp
+from .ssp.writer import write_ssp
+from .system.system import Component, Connection, Experiment, PowerBond, System, Value
+from .system.transformation import Linear, Table
+from .trust.findings import CHECKS
+from .trust.tested import self_tests
+from .whole.linearise import LinearModel, linearise
+from .whole.monolith import monolith
+from .whole.verify import verify
+
+__all__ = [
+    "CHECKS",
+    "RESULTS_NAME",
+    "Archive",
+    "ArchiveError",
+    "BondResidual",
+    "Callback",
+    "Component",
+    "Connection",
+    "Contents",
+    "CouplingError",
+    "CsvTable",
+    "Description",
+    "DimensionError",
+    "Execution",
+    "Experiment",
+    "FmuError",
+    "GaussSeidel",
+    "Header",
+    "InlineModel",
+    "Iterated",
+    "Jacobi",
+    "Kind",
+    "Linear",
+    "LinearModel",
+    "Log",
+    "Master",
+    "Mock",
+    "OnePass",
+    "OrchestratorError",
+    "Outcome",
+    "Plan",
+    "Port",
+    "PortMap",
+    "PowerBond",
+    "Problem",
+    "Provenance",
+    "Quantity",
+    "ResultsFile",
+    "Run",
+    "Session",
+    "Settings",
+    "Sink",
+    "System",
+    "Table",
+    "Tangent",
+    "UnitError",
+    "Value",
+    "Variable",
+    "Way",
+    "all_masters",
+    "choices",
+    "component_description",
+    "conversion",
+    "couple",
+    "describe",
+    "dominant_frequency",
+    "fit",
+    "interpolated",
+    "linearise",
+    "make_plan",
+    "master_named",
+    "monolith",
+    "open_archive",
+    "open_fmu",
+    "options_of_masters",
+    "peak",
+    "read_checkpoint",
+    "read_port_map",
+    "read_ssp",
+    "resume",
+    "rms",
+    "scale_of",
+    "self_tests",
+    "shaped",
+    "simulate",
+    "survey",
+    "taken_apart",
+    "verify",
+    "write_ssp",
+]

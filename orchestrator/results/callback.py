@@ -1,0 +1,30 @@
+"""Rows handed to a function as they are made."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .sink import Header
+
+
+class Callback:
+    """A sink that calls a function with the names of the columns, and rows of shape (n, names)."""
+
+    def __init__(self, function: Callable[[list[str], NDArray[np.float64]], Any]) -> None:
+        self._function = function
+
+    def begin(self, header: Header) -> None:
+        self._names = ["time", *(name for name, _ in header.variables)]
+
+    def append(self, rows: NDArray[np.float64]) -> None:
+        self._function(self._names, rows)
+
+    def finish(self, said: Mapping[str, str | None]) -> None:
+        pass
+
+    def close(self) -> None:
+        pass

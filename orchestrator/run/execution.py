@@ -1,0 +1,271 @@
+"""A run under way: prepare, initialise, step, finish. All that changes while it runs is here."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from typing import Self
+
+import numpy as np
+
+from ..errors import ResultsError, choices
+from ..fmu.description import Variable
+from ..masters.base import Master
+from ..plan.plan import make_plan
+from ..results.energy import BondResidual
+from ..results.netcdf import NAME, STOPPED, VERDICT, ResultsFile
+from ..results.provenance import provenance
+from ..results.recording import Recording
+from ..results.run import Run, Statistics
+from ..results.sink import Header, Sink
+from ..slaves.session import Session
+from ..system.system import System
+from ..trust.findings import Evidence
+from .checkpoint import Checkpoint, Checkpoints, refuse_without_state
+from .context import Context
+from .initial_values import settle
+from .log import Logger, listener
+from .outcome import Kind, Outcome
+from .settings import Settings
+from .stepping import Progress, Stepper
+from .texts import Texts
+
+
+class Execution:
+    """A system, a master and settings, run one macro step or all of them at a time.
+
+    with Execution(system, OnePass(), Settings(duration=8.0)) as execution:
+        execution.prepare()
+        execution.initialise()
+        while execution.step():
+            print(execution.time, execution["truck_front.axle[1].y"])
+        run = execution.finish()
+
+    logger: a `Log`, or a function; called with what FMUs say. session: keeps the FMUs loaded for
+    the next run, which resets them. sinks: take the rows as they are made. evidence: what is known
+    of the FMUs, to be set before `prepare`, and of the step, before the first one. Raises
+    OrchestratorError for what does not fit before the first step.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        master: Master,
+        settings: Settings,
+        *,
+        logger: Logger | None = None,
+        session: Session | None = None,
+        sinks: Sequence[Sink] = (),
+        resumed: Checkpoint | None = None,
+    ) -> None:
+        self._began = time.perf_counter()
+        grid, self.notes = settings.grid(system.experiment)
+        self._interval = settings.interval(grid.step)
+        plan = make_plan(system, settings.record)
+        settings.check_isolated(system)
+        if resumed is not None:
+            resumed.check(plan)
+        self.context = Context(system, master, settings, plan, grid)
+        self.evidence = Evidence()
+        self.outcome: Outcome | None = None
+        self._logger, self._heard, self._resumed = logger, listener(logger), resumed
+        self._session, self._sinks = session, list(sinks)
+        self._stepper: Stepper | None = None
+        self._row = 0
+        self._open = ExitStack()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._open.close()
+
+    def prepare(self) -> None:
+        """Load the instances and give them their start values."""
+        c = self.context
+        self._loaded = self._session or self._open.enter_context(Session())
+        c.slaves = self._loaded.slaves(
+            c.system, c.plan, self._open, self._heard, self.isolated, c.settings.timeout
+        )
+        for slave in c.slaves:
+            slave.distrusted = slave.name in self.evidence.distrusted
+        if self._interval:
+            refuse_without_state(c.slaves)
+        for slave, values in zip(c.slaves, c.plan.values, strict=True):
+            for variable, value in values:
+                slave.set_value(variable, value)
+
+    @property
+    def isolated(self) -> list[str]:
+        """Instances that run in processes of their own: those asked for, and those that crashed."""
+        crashed = self.evidence.crashed if os.name == "posix" else []
+        return [*dict.fromkeys([*self.context.settings.isolate, *crashed])]
+
+    def initialise(self) -> None:
+        """Bring all values at the start into agreement, and have the master ready to step."""
+        c = self.context
+        for slave in c.slaves:
+            slave.start(c.grid.start, c.grid.stop)
+        self._texts = Texts(c.plan, c.slaves, c.settings.out)
+        settle(c.plan, c.slaves)
+        if self._texts.settle():
+            settle(c.plan, c.slaves)
+        for slave in c.slaves:
+            slave.begin_stepping()
+        self._texts.settle()
+        self.first_row = settle(c.plan, c.slaves)
+        c.prepared = c.master.prepare(c.plan, c.slaves)
+        self._open.callback(self._free_states)
+
+    def run(self, progress: Progress | None = None) -> Outcome | None:
+        """Step to the end, or to what stops it: why, else None."""
+        stepper = self._ready()
+        self.outcome = stepper.run(progress)
+        self._row = stepper.rows_done - 1
+        return self.outcome
+
+    def step(self, count: int = 1) -> bool:
+        """Go on by so many macro steps; whether there are more to come."""
+        stepper = self._ready()
+        wanted = min(self._row + count, self.context.grid.steps)
+        if self.outcome is None and stepper.rows_done <= wanted:
+            self.outcome = stepper.step(wanted)
+        self._row = min(wanted, stepper.rows_done - 1)
+        return self.outcome is None and self._row < self.context.grid.steps
+
+    @property
+    def time(self) -> float:
+        """Time [s] of the communication point that was reached."""
+        return float(self.context.grid.time(self._row))
+
+    def __getitem__(self, name: str) -> float:
+        """Value of an output "instance.variable" at `time`; raises ResultsError."""
+        plan = self.context.plan
+        names = {plan.name(i, v): n for n, (i, v) in enumerate(plan.columns)}
+        if name not in names:
+            raise ResultsError(f"there is no output '{name}'; {choices(name, names)}")
+        if self._stepper is None:
+            return float(self.first_row[names[name]])
+        return float(self._recording.row(self._row)[names[name]])
+
+    def residuals(self) -> list[BondResidual]:
+        """Energy that the two sides of each power bond disagree about, so far."""
+        return self._recording.residuals()
+
+    def finish(self, verdict: str | None = None) -> Run:
+        """End the run: sinks are told, FMUs freed or kept for the session's next run.
+
+        verdict: what the results' attribute of that name says.
+        """
+        c, stepper = self.context, self._ready()
+        unwritten = stepper.flush()
+        self.outcome = self.outcome or unwritten
+        if self.outcome is None and self._row < c.grid.steps:
+            self.outcome = Outcome(Kind.LEFT, self.time)
+        message = None if self.outcome is None else str(self.outcome)
+        for sink in self._recording.sinks:
+            sink.finish({STOPPED: message, VERDICT: verdict})
+        if self._checkpoints is not None and message is None:
+            self._checkpoints.remove()
+        share = stepper.share_inside() if c.settings.measure else None
+        if message is None and self._logger is None:
+            self._loaded.keep(c.slaves)
+        self._open.close()
+        done, wall = stepper.rows_done, stepper.wall
+        table = self._file.read() if self._file else self._recording.kept(0, done)
+        ended = {VERDICT: verdict, STOPPED: message}
+        return Run(
+            time=table[:, 0],
+            record=table[:, 1:],
+            variables=self._variables(),
+            attributes={**self._attributes, **{k: v for k, v in ended.items() if v is not None}},
+            outcome=self.outcome,
+            bonds=self._recording.residuals(),
+            statistics=Statistics(
+                self._wall_load,
+                wall,
+                (done - self._first) * c.grid.step / wall if wall > 0.0 else math.inf,
+                share,
+                stepper.fmu_steps(),
+                tuple(stepper.iterations()),
+            ),
+            notes=[*self.notes, *c.plan.notes, *c.prepared.notes, *stepper.messages()],
+            path=self._file.path if self._file else None,
+            texts=self._texts.changes,
+            evidence=self.evidence,
+        )
+
+    def _ready(self) -> Stepper:
+        """What steps; before the first step, the record is begun, or gone on with."""
+        if self._stepper is not None:
+            return self._stepper
+        c, resumed = self.context, self._resumed
+        self._recording = recording = self._begun()
+        if resumed is None:
+            self._texts.begin(c.grid.start)
+        self._checkpoints = None
+        if self._interval and self._file is not None:
+            self._checkpoints = Checkpoints(self._interval, c, recording, self._file)
+        self._stepper = stepper = Stepper(c, recording, self._texts, self._checkpoints)
+        if resumed is not None:
+            resumed.restore(c.slaves, c.prepared, recording)
+            stepper.resume(resumed.rows)
+            self._texts.resume(c.grid.time(resumed.rows - 1))
+        elif self._checkpoints is not None:
+            self._checkpoints.write(stepper.rows_done)
+        if self._heard is not None:
+            self._heard.clock = stepper.now
+        self._first = stepper.rows_done
+        self._row = self._first - 1
+        self._wall_load = time.perf_counter() - self._began
+        return stepper
+
+    def _begun(self) -> Recording:
+        """The record with its first row, and the sinks that it goes to."""
+        c = self.context
+        settings, grid = c.settings, c.grid
+        constant = np.array([c.slaves[i].get_reals([v])[0] for i, v in c.plan.open_inputs])
+        self._attributes = provenance(
+            c.plan,
+            {
+                "command": settings.command,
+                "master": c.master.name,
+                "step": grid.step,
+                "start": grid.start,
+            },
+            [*self.notes, *c.plan.notes, *c.prepared.notes],
+            self.evidence.attributes(),
+        )
+        bound = None if settings.out is None else settings.memory
+        recording = Recording(c.plan, c.prepared, grid, constant, settings.every, bound)
+        recording.row(0)[:] = self.first_row
+        self._file = self._results_file()
+        header = Header(self._variables(), self._attributes, grid.steps // settings.every + 1)
+        for sink in [*([self._file] if self._file else []), *self._sinks]:
+            sink.begin(header)
+            self._open.callback(sink.close)
+            recording.sinks.append(sink)
+        return recording
+
+    def _results_file(self) -> ResultsFile | None:
+        out, resumed = self.context.settings.out, self._resumed
+        if out is None:
+            return None
+        if resumed is None:
+            return ResultsFile(out / NAME)
+        width = 1 + len(self._variables())
+        return ResultsFile.reopen(out / NAME, resumed.first_row, width, resumed.kept)
+
+    def _variables(self) -> list[tuple[str, Variable]]:
+        plan = self.context.plan
+        kept = [*(plan.columns[n] for n in plan.recorded), *plan.open_inputs]
+        return [(plan.name(i, v), v) for i, v in kept]
+
+    def _free_states(self) -> None:
+        c = self.context
+        if c.prepared.states is not None:
+            for slave, handle in zip(c.slaves, c.prepared.states, strict=True):
+                slave.free_state(int(handle))
