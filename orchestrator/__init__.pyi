@@ -4,6 +4,7 @@ from .errors import (
     DimensionError,
     FmuError,
     OrchestratorError,
+    ResultsError,
     UnitError,
     choices,
 )
@@ -86,6 +87,7 @@ __all__ = [
     "Problem",
     "Provenance",
     "Quantity",
+    "ResultsError",
     "ResultsFile",
     "Run",
     "Session",
