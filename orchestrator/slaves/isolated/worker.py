@@ -14,6 +14,7 @@ import socket
 import threading
 from multiprocessing.connection import Connection
 from pathlib import Path
+from struct import Struct
 from typing import Any
 
 from ...errors import OrchestratorError
@@ -76,7 +77,6 @@ class Worker:
         with path.open("r+b") as file:
             self._memory = mmap.mmap(file.fileno(), 0)
         self._slots = memoryview(self._memory).cast("q")
-        self._numbers = memoryview(self._memory).cast("d")
         self._address = ctypes.addressof(ctypes.c_char.from_buffer(self._memory))
 
     def _load(self, name: str, description: Any, folder: Path) -> None:
@@ -96,50 +96,54 @@ class Worker:
 
     def _carry_out(self) -> None:
         """Carry out the commands that wait, until one fails."""
-        slots = self._slots
+        slots, address = self._slots, self._address
         place, end = p.HEAD, p.HEAD + slots[p.USED]
+        result = p.HEAD + slots[p.CAPACITY]
         worst = status = 0
         while place < end and status <= 1:
             slots[p.CALL] = number = slots[place]
             call = self._calls[number - 1]
-            arguments, place = self._arguments(call, place + 1)
+            arguments: Any = call.numbers.unpack_from(self._memory, 8 * place + 8)
+            place += 1 + len(arguments)
             if number == DO_STEP:
                 self._time = arguments[0]
+            if call.arrays:
+                arguments = [*arguments, address + 8 * result]
+                for words, counted, is_result in call.arrays:
+                    if is_result:  # what is there goes to where the answer is written
+                        slots[result] = slots[place]
+                    arguments.append(address + 8 * place)
+                    place += (words * (1 if counted < 0 else arguments[counted]) + 1) // 2
+                arguments = [arguments[n] for n in call.order]
             status = call.function(self._instance, *arguments)
             worst = max(worst, status)
         slots[p.USED] = 0
         slots[p.STATUS] = worst
         slots[p.FAILED_CALL] = slots[p.CALL] if status > 1 else 0
 
-    def _arguments(self, call: _Call, place: int) -> tuple[list[Any], int]:
-        """Arguments of a command from a slot on, and the slot behind them."""
-        slots = self._slots
-        result = p.HEAD + slots[p.CAPACITY]
-        arguments: list[Any] = [self._address + 8 * result] * call.count
-        for n, is_double in call.numbers:
-            arguments[n] = (self._numbers if is_double else slots)[place]
-            place += 1
-        for n, words, counted, is_result in call.arrays:
-            if is_result:  # what is there goes to where the answer is written
-                slots[result] = slots[place]
-            else:
-                arguments[n] = self._address + 8 * place
-            place += (words * (1 if counted < 0 else arguments[counted]) + 1) // 2
-        return arguments, place
-
 
 class _Call:
-    """A function of the FMU, and where its arguments are: numbers, and arrays that are given."""
+    """A function of the FMU, and how its arguments stand in a command.
+
+    numbers: the layout of those that are numbers. arrays: words of 4 bytes of an element, which of
+    the numbers counts the elements, and whether the function writes there. order: of the arguments
+    among the numbers, the address of the result, and those of the arrays.
+    """
 
     def __init__(self, function: Function, address: int) -> None:
         self.function = function.c(address)
-        self.count = len(function.arguments)
-        numbered = [*enumerate(function.arguments)]
-        self.numbers = [(n, a.type == "f8") for n, a in numbered if a.role is Role.NUMBER]
+        numbers = [a for a in function.arguments if a.role is Role.NUMBER]
+        given = [a for a in function.arguments if a.role in (Role.GIVEN, Role.BOTH)]
+        self.numbers = Struct("".join("d" if a.type == "f8" else "q" for a in numbers))
+        names = [a.name for a in numbers]
         self.arrays = [
-            (n, a.words, function.place(a.count), a.role is Role.BOTH)
-            for n, a in numbered
-            if a.role in (Role.GIVEN, Role.BOTH)
+            (a.words, names.index(a.count) if a.count in names else -1, a.role is Role.BOTH)
+            for a in given
+        ]
+        writes = (Role.RESULT, Role.BOTH)
+        self.order = [
+            len(numbers) if a.role in writes else [*numbers, None, *given].index(a)
+            for a in function.arguments
         ]
 
 
