@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 import pytest
-from fmu_instance import FmuInstance
 
 from fmus.catalogue import fmu_path
 from fmus.names import NAMES
+from support.fmu_instance import FmuInstance
 
 
 @pytest.fixture

@@ -6,20 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import tolerances
-from engines import Link, run, unavailable
 from fmpy import read_model_description
-from fmu_instance import FmuInstance
-from test_fmpy import STEP, STEPS
-from tools import need
 
+import tolerances
 from fmus.catalogue import fmu_path
 from fmus.export.python import build_python
-from orchestrator import (
-    Component,
-    System,
-    simulate,
-)
+from orchestrator import Component, System, simulate
+from support.engines import STEP, STEPS, Link, differences, run, unavailable
+from support.fmu_instance import FmuInstance
+from support.tools import need
 from tracktrain.car.hopper import hopper_car
 
 pytestmark = pytest.mark.xdist_group("engines")
@@ -87,11 +82,6 @@ def in_orchestrator(system: System) -> dict[float, np.ndarray]:
         every = round(1e-3 / step)
         values[step] = np.array([done.dataset[name].values[every::every] for name in WATCHED]).T
     return values
-
-
-def differences(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Rms difference over rms value of each column."""
-    return np.sqrt(((one - other) ** 2).mean(0) / (other**2).mean(0))
 
 
 def test_the_car_runs_there(in_engine):

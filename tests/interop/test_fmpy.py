@@ -8,30 +8,17 @@ import sys
 
 import numpy as np
 import pytest
-import tolerances
 from fmpy import read_model_description, simulate_fmu
 
+import tolerances
 from fmus import BLOCKS
 from fmus.catalogue import fmu_path
-from fmus.describe.parameters import (
-    DEFAULT_SET,
-    parameter_set,
-)
+from fmus.describe.parameters import DEFAULT_SET, parameter_set
 from fmus.describe.twin import Twin
-from fmus.names import (
-    FMI_VERSIONS,
-    NAMES,
-)
-from orchestrator import (
-    Component,
-    System,
-    simulate,
-)
+from fmus.names import FMI_VERSIONS, NAMES
+from orchestrator import Component, System, simulate
+from support.engines import STEP, STEPS
 
-STEP = 2.0**-10
-"""Sums and differences of such times are exact, so that all masters step by the same size."""
-
-STEPS = 200
 LEVEL = {"m": 2e-3, "rad": 1e-3, "m/s": 0.05, "rad/s": 0.02, "N": 1e4, "N.m": 5e3}
 
 

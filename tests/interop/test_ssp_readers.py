@@ -10,16 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import tolerances
-from engines import run_archive, unavailable
-from test_engines import differences
-from tools import need
 
-from orchestrator import (
-    System,
-    simulate,
-)
+import tolerances
+from orchestrator import System, simulate
 from orchestrator.ssp import write_ssp
+from support.engines import differences, run_archive, unavailable
+from support.tools import need
 from tracktrain.car.hopper import hopper_car
 
 pytestmark = pytest.mark.xdist_group("engines")

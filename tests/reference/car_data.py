@@ -10,10 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fmus.describe.parameters import (
-    ParameterSet,
-    parameter_set,
-)
+from fmus.describe.parameters import ParameterSet, parameter_set
 
 INCH = 0.0254  # [m]
 FOOT = 12.0 * INCH  # [m]

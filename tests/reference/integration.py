@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numba
 import numpy as np
+
 from reference.car_data import Array
 from reference.monolithic_car import COORDINATES, ELEMENTS, MonolithicCar
 

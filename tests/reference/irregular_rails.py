@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from reference.car_data import FOOT, INCH, Array, CarData
 
 ALIGNMENT_RMS = 0.088 * INCH  # report, section 5

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+
 from reference.car_data import Array, CarData
 
 COORDINATES = 20

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
+
 from reference.car_data import Array, CarData
 
 WHEELSETS = ("wheelset_11", "wheelset_12", "wheelset_21", "wheelset_22")

@@ -13,6 +13,8 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
+from scipy.linalg import block_diag, expm
+
 from reference.car_data import Array
 from reference.monolithic_car import (
     CARBODY,
@@ -23,7 +25,6 @@ from reference.monolithic_car import (
     truck_mass,
     unit,
 )
-from scipy.linalg import block_diag, expm
 
 Scheme = Literal["held", "velocity", "one-pass"]
 """Inputs held; one pass with the plates led by their velocities; by their accelerations, too."""

@@ -6,17 +6,14 @@ from functools import cache
 
 import numpy as np
 import pytest
+
 import tolerances
+from orchestrator import Run, simulate
 from reference import recorded
 from reference.car_data import EMPTY, FOOT, LOADED, REPORT_LINEAR
 from reference.integration import Motion, integrate
 from reference.monolithic_car import MonolithicCar
 from reference.recurrence import CutCar, Scheme, growth_rate, leading_exponent
-
-from orchestrator import (
-    Run,
-    simulate,
-)
 from tracktrain.car.hopper import hopper_car
 
 pytestmark = pytest.mark.xdist_group("coupled_car")

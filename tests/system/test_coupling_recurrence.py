@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from reference.car_data import FOOT, LOADED
 from reference.monolithic_car import MonolithicCar
 from reference.recurrence import CutCar, growth_rate, leading_exponent, spectral_radius

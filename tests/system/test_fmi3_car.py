@@ -9,22 +9,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-import tolerances
 
+import tolerances
 from fmus.catalogue import fmu_path
 from fmus.export.python.flavor import build_python
-from orchestrator import (
-    Port,
-    PortMap,
-    resume,
-    simulate,
-)
+from orchestrator import Port, PortMap, resume, simulate
 from orchestrator.results.run import Run
 from tracktrain.car.changes import swapped
-from tracktrain.car.hopper import (
-    HOPPER,
-    hopper_car,
-)
+from tracktrain.car.hopper import HOPPER, hopper_car
 
 INSTANCES = tuple(HOPPER.blocks)
 

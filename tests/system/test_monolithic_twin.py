@@ -6,22 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 import tolerances
+from fmus.catalogue import fmu_path
+from orchestrator import linearise, monolith, simulate
 from reference import recorded
 from reference.car_data import EMPTY, FOOT, LOADED, REPORT_LINEAR
 from reference.integration import integrate
 from reference.monolithic_car import MonolithicCar
-
-from fmus.catalogue import fmu_path
-from orchestrator import (
-    linearise,
-    monolith,
-    simulate,
-)
-from tracktrain.car.hopper import (
-    HOPPER,
-    hopper_car,
-)
+from tracktrain.car.hopper import HOPPER, hopper_car
 
 DATA = {"loaded": LOADED, "empty": EMPTY, "report-linear": REPORT_LINEAR}
 

@@ -6,12 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
+
 import tolerances
 from reference.car_data import FOOT, INCH, LOADED, REPORT_LINEAR, CarData
 from reference.integration import Motion, initial_state, integrate
 from reference.irregular_rails import irregular_rails
 from reference.monolithic_car import COORDINATES, MonolithicCar, modes
-from scipy.linalg import expm
 
 YAW = np.deg2rad(0.005)
 KICKED = {"front_yaw": 2e-3, "rear_bolster_vertical": 4e-3, "carbody_roll": 2e-3}

@@ -1,0 +1,93 @@
+"""What a run leaves behind."""
+
+from __future__ import annotations
+
+import json
+import time
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from orchestrator import Component, InlineModel, OrchestratorError, System, simulate
+from orchestrator.results.metrics import dominant_frequency, peak, rms
+from support.coupled_models import damped_mass, oscillator
+
+
+def test_dataset_names_every_output_with_its_unit():
+    dataset = simulate(oscillator(), duration=0.1, step=0.01).dataset
+    assert {name: dataset[name].attrs["units"] for name in dataset} == {
+        "one.x": "m",
+        "one.v": "m/s",
+        "one.a": "m/s2",
+        "other.force": "N",
+        "other.x2": "m",
+    }
+    assert dataset["one.x"].dims == ("time",)
+    assert dataset["time"].attrs["units"] == "s"
+
+
+def test_selection_by_name_and_pattern_keeps_the_answer():
+    everything = simulate(oscillator(), duration=0.5, step=0.01).dataset
+    some = simulate(oscillator(), duration=0.5, step=0.01, record=["one.?", "other.x*"]).dataset
+    assert set(some) == {"one.x", "one.v", "one.a", "other.x2"}
+    for name in some:
+        assert np.array_equal(some[name], everything[name])
+
+
+def test_open_input_is_recorded_as_what_it_stood_at():
+    system = System({"m": Component(InlineModel(inputs={"force": "N"}))}).with_value(
+        "m.force", "2 kN"
+    )
+    run = simulate(system, duration=0.1, step=0.01)
+    np.testing.assert_array_equal(run.dataset["m.force"], np.full(11, 2000.0))
+
+
+def test_file_holds_the_results_and_where_they_come_from(tmp_path):
+    system = damped_mass(2.0)
+    run = simulate(system, duration=0.1, step=0.01, command="tracktrain run")
+    path = run.write(tmp_path / "new" / "folder")
+    assert path == tmp_path / "new" / "folder" / "results.nc"
+    with xr.open_dataset(path) as read:
+        for name in run.dataset:
+            assert np.array_equal(read[name], run.dataset[name])
+            assert read[name].attrs["units"] == run.dataset[name].attrs["units"]
+        assert read.attrs["command"] == "tracktrain run"
+        assert (read.attrs["master"], read.attrs["step"]) == ("one-pass", 0.01)
+        assert set(json.loads(read.attrs["fmus"])) == {"damper", "mass", "ground"}
+        assert "numpy" in json.loads(read.attrs["versions"])
+        assert json.loads(read.attrs["notes"]) == run.notes
+
+
+def test_folder_that_cannot_be_written(tmp_path):
+    run = simulate(oscillator(), duration=0.1, step=0.01)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OrchestratorError) as caught:
+        run.write(tmp_path / "file" / "folder")
+    assert "results.nc' cannot be written: not a directory; choose another folder" in str(
+        caught.value
+    )
+
+
+def test_writing_a_long_record_takes_no_time(tmp_path):
+    names = {f"y{n}": "m" for n in range(250)}
+    mock = InlineModel(outputs=names, output=lambda x, u, p: dict.fromkeys(names, 1.0))
+    run = simulate(System({"m": Component(mock)}), duration=0.01, step=0.01)
+    run.time, run.record = np.arange(8001) * 1e-3, np.zeros((8001, 250))
+    assert run.dataset.sizes["time"] == 8001
+    begin = time.perf_counter()
+    run.write(tmp_path)
+    assert time.perf_counter() - begin < 2.0  # a quarter of it on an idle machine
+
+
+def response(values, step=1e-3):
+    return xr.DataArray(values, dims="time", coords={"time": np.arange(len(values)) * step})
+
+
+def test_metrics_of_a_sine_with_an_offset():
+    t = np.arange(8001) * 1e-3
+    wave = response(0.2 + 3.0 * np.sin(2 * np.pi * 1.37 * t))
+    assert dominant_frequency(wave) == pytest.approx(1.37, rel=2e-3)
+    assert peak(wave) == pytest.approx(3.2, rel=1e-3)
+    assert rms(wave) == pytest.approx(np.hypot(0.2, 3 / np.sqrt(2)), rel=2e-2)
+    assert np.isnan(dominant_frequency(response(np.ones(100))))

@@ -1,0 +1,1 @@
+"""What tests share: FMUs made for them, instances, systems of known answer, tools of others."""

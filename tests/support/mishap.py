@@ -1,0 +1,39 @@
+"""An FMU that crashes, hangs, ends its process or prints without end, as it is told to."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import fmpy
+
+from orchestrator import Component, System
+from support.native_slaves import FIXED, archive, body, description, variable
+
+KINDS = ("none", "crash", "abort", "hang", "exit", "babble", "endless", "log")
+PORTS = body(
+    [
+        variable("u", "input", '<Real unit="s" start="0"/>'),
+        variable("y", "output", '<Real unit="s"/>'),
+        variable("at", "parameter", '<Real unit="s" start="0"/>', FIXED),
+        variable("kind", "parameter", '<Real start="0"/>', FIXED),
+    ],
+    '<Unknown index="2" dependencies=""/>',
+)
+
+
+def mishap(folder: Path, *flags: str) -> Path:
+    """The FMU of `slaves/mishap.c`. flags: of the compiler."""
+    source = Path(__file__).parent / "slaves" / "mishap.c"
+    compiler = ["cc"] if shutil.which("cc") else [sys.executable, "-m", "ziglang", "cc"]
+    library = folder / f"slave{fmpy.sharedLibraryExtension}"
+    command = [*compiler, "-O1", "-w", "-fPIC", "-shared", *flags, str(source), "-o", str(library)]
+    subprocess.run(command, check=True)
+    return archive(folder / "mishap.fmu", description(PORTS), library)
+
+
+def system(fmu: Path, kind: str, at: float = 0.045) -> System:
+    """That FMU alone, whose mishap of a kind of `KINDS` comes after a time [s]."""
+    return System({"odd": Component(fmu, {"at": at, "kind": float(KINDS.index(kind))})})

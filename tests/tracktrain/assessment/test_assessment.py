@@ -1,0 +1,167 @@
+"""Every rule on a car whose motion is known in closed form."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+from tolerances import BAND_PASS_ENDS
+from tracktrain.assessment import assess
+from tracktrain.assessment.criteria import LIMITS, MEASURES, nadal
+from tracktrain.assessment.rules import rules
+from tracktrain.car.hopper import HOPPER
+from tracktrain.cli.main import main
+
+SPEED, RATE, GRAVITY = 18.288, 1000, 9.80665
+AXLE_LOAD = 50 * 4448.2216152605  # 50 kip
+
+
+def motion(duration: float, frequency: float = 3.0, **amplitudes: float) -> xr.Dataset:
+    """A car that sways in sinusoids: of ay, az [m/s2], ratio (L/V), load (share), force [N]."""
+    time = np.arange(round(duration * RATE) + 1) / RATE
+    wave = np.sin(2 * np.pi * frequency * time)
+    given = dict.fromkeys(("ay", "az", "ratio", "load", "force", "vy"), 0.0) | amplitudes
+    variables = {"track.distance": SPEED * time, "carbody.cg.roll": 0.01 * wave}
+    for end in ("front", "rear", "cg"):
+        variables |= {f"carbody.{end}.{a}": given[a] * wave for a in ("ay", "az")}
+    for axle in HOPPER.axles:
+        variables[f"{axle.wheelset}.force_y"] = given["force"] * wave
+        variables[f"{axle.port}.vy"] = given["vy"] * wave
+        for side, sign in (("left", 1), ("right", -1)):
+            load = AXLE_LOAD / 2 * (1 + sign * given["load"] * wave)
+            variables[f"{axle.port}.load_{side}"] = load
+            variables[f"{axle.wheelset}.{side}.l_over_v"] = np.full_like(time, given["ratio"])
+    masses = {"wheelset_mass": 1200.0, "side_frame_mass": 400.0, "bolster_mass": 800.0}
+    parameters = {
+        f"{truck}.{name}": value
+        for truck in HOPPER.instances("truck")
+        for name, value in {"axle_load": AXLE_LOAD, **masses}.items()
+    }
+    return xr.Dataset(
+        {name: ("time", values) for name, values in variables.items()},
+        {"time": time},
+        {"parameters": json.dumps(parameters)},
+    )
+
+
+def row(table: pd.DataFrame, key: str) -> pd.Series:
+    return table.loc[next(rule.quantity for rule in rules() if rule.key == key)]
+
+
+def test_every_rule_can_be_measured_and_judged() -> None:
+    for rule in rules():
+        assert rule.inapplicable or rule.key in MEASURES
+        assert bool(rule.formula) == (rule.key in LIMITS)
+    assert len({rule.quantity for rule in rules()}) == len(rules())
+
+
+@pytest.mark.parametrize(
+    ("angle", "friction", "ratio"),
+    [(75, 0.5, 1.128), (75, 0.36, 1.439), (70, 0.5, 0.947), (60, 0.5, 0.660), (70, 0.6, 0.811)],
+)
+def test_nadals_limit(angle: float, friction: float, ratio: float) -> None:
+    assert nadal(np.deg2rad(angle), friction) == pytest.approx(ratio, abs=1e-3)
+
+
+def test_steady_ratio_and_load_are_found_as_they_are() -> None:
+    table = assess(motion(4.0, ratio=0.7, force=30e3, frequency=0.5))
+    found = row(table, "wheel_l_over_v")
+    assert found["value"] == pytest.approx(0.7, rel=1e-6)
+    assert found["share"] == pytest.approx(0.7 / nadal(np.deg2rad(75), 0.5), rel=1e-6)
+    assert row(table, "truck_side_l_over_v")["result"] == "exceeded"
+    assert row(table, "net_axle_l_over_v")["limit"] == pytest.approx(0.4 + 5.0 / 50)
+    held = 30e3 / AXLE_LOAD * np.cos(np.pi * 0.5 * 1.524 / SPEED)  # over 5 ft about the crest
+    assert row(table, "net_axle_l_over_v")["value"] == pytest.approx(held, rel=2e-3)
+    assert row(table, "aar_axle_sum")["value"] == pytest.approx(1.4)
+
+
+def test_unloading_is_judged_by_its_share_of_what_is_admissible() -> None:
+    table = assess(motion(4.0, load=0.9, frequency=0.5))
+    found = row(table, "aar_wheel_unloading")
+    held = 1 - 0.9 * np.cos(np.pi * 0.5 * 0.05)  # for 50 ms about the lowest load
+    assert found["value"] == pytest.approx(held, abs=1e-3)
+    assert found["share"] == pytest.approx((1 - held) / 0.9, abs=1e-3)
+    assert row(table, "wheel_load_ratio")["result"] == "exceeded"
+
+
+def test_sway_of_known_amplitude_through_the_limits_of_the_accelerations() -> None:
+    amplitude = 0.2 * GRAVITY
+    table = assess(motion(12.0, frequency=1.0, ay=amplitude, az=2 * amplitude, vy=0.1))
+    rms = 0.2 / np.sqrt(2)
+    assert row(table, "carbody_lateral_oscillation")["value"] == pytest.approx(rms, rel=2e-2)
+    assert row(table, "carbody_vertical_oscillation")["value"] == pytest.approx(2 * rms, rel=2e-2)
+    cut = 0.4 * np.cos(np.pi * 0.05)
+    assert row(table, "carbody_lateral_transient")["value"] == pytest.approx(cut, rel=1e-2)
+    assert row(table, "aar_peak_to_peak")["value"] == pytest.approx(0.4, rel=1e-3)
+    assert row(table, "aar_roll")["value"] == pytest.approx(np.rad2deg(0.02), rel=1e-5)
+    assert row(table, "carbody_lateral_oscillation")["result"] == "exceeded"
+    assert row(table, "carbody_lateral_transient")["result"] == "passed"
+
+
+def test_truck_and_wheelset_oscillate_as_their_velocity_says() -> None:
+    velocity, frequency = 0.1, 3.0
+    table = assess(motion(12.0, frequency=frequency, vy=velocity, force=10e3))
+    rms = 2 * np.pi * frequency * velocity / np.sqrt(2)
+    assert row(table, "truck_lateral_acceleration")["value"] == pytest.approx(
+        rms / GRAVITY, rel=BAND_PASS_ENDS
+    )
+    unstable = row(table, "en_instability_acceleration")
+    assert unstable["value"] == pytest.approx(rms, rel=2e-2)
+    assert unstable["limit"] == pytest.approx((12 - 4.0 / 5) / 2)  # a truck of 4 t
+    force = row(table, "en_instability_force")
+    assert force["value"] == pytest.approx(10 / np.sqrt(2), rel=2e-2)
+    wheel = AXLE_LOAD / 2e3
+    assert force["limit"] == pytest.approx(0.85 * (10 + 2 * wheel / 3) / 2)
+
+
+def test_hunting_of_a_sinusoid_over_2000_ft() -> None:
+    found = row(assess(motion(34.0, ay=0.26 * GRAVITY)), "aar_hunting")
+    kept = 1 / (1 + (3 / 15) ** 4)  # 3 Hz through a Butterworth filter of 15 Hz, there and back
+    assert found["value"] == pytest.approx(0.26 / np.sqrt(2) * kept, rel=1e-3)
+    assert found["result"] == "exceeded"
+
+
+def test_run_too_short_for_a_window_says_how_long_it_must_be() -> None:
+    table = assess(motion(8.0, ay=1.0))
+    assert row(table, "aar_hunting")["result"] == (
+        "not applicable: the window of 2000 ft is longer than the run of 146 m; at this speed it "
+        "takes 33.4 s"
+    )
+    assert row(table, "carbody_lateral_oscillation")["result"] == "passed"
+
+
+def test_rule_whose_signal_is_missing_says_which() -> None:
+    table = assess(motion(4.0).drop_vars("wheelset_12.left.l_over_v"))
+    assert row(table, "wheel_l_over_v")["result"] == (
+        "not applicable: the run has no wheelset_12.left.l_over_v"
+    )
+
+
+def test_rows_too_far_apart_for_a_filter_are_not_assessed() -> None:
+    table = assess(motion(20.0, ay=1.0).isel(time=slice(None, None, 50)))
+    reason = "not applicable: 20 rows a second are too few"
+    for key in ("carbody_lateral_oscillation", "wheel_l_over_v", "iso_lateral"):
+        assert row(table, key)["result"].startswith(reason)
+
+
+def test_command_prints_the_table_and_writes_it(tmp_path: Path) -> None:
+    motion(4.0, ratio=0.7).to_netcdf(tmp_path / "results.nc")
+    result = CliRunner().invoke(main, ["assess", str(tmp_path)])
+    assert result.exit_code == 0, result.output
+    assert "exceeded" in result.stdout
+    assert "2000 ft" in result.stdout
+    written = pd.read_csv(tmp_path / "assessment.csv", index_col="quantity")
+    assert list(written.index) == [rule.quantity for rule in rules()]
+    assert written["source"].notna().all()
+
+
+def test_folder_without_results_is_refused(tmp_path: Path) -> None:
+    result = CliRunner().invoke(main, ["assess", str(tmp_path)])
+    assert result.exit_code == 2
+    assert f"there is no results.nc in '{tmp_path}'; name the folder" in result.stderr

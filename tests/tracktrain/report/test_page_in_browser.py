@@ -1,0 +1,178 @@
+"""A run's page in a real browser: it draws, moves and obeys keys, without errors or a network."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from selenium import webdriver
+from selenium.webdriver.chrome.options import Options
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.ui import WebDriverWait
+
+from support.tools import need
+
+pytestmark = pytest.mark.xdist_group("browser")
+BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
+DRIVER = shutil.which("chromedriver")
+SWITCHES = ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage")
+
+Driver = webdriver.Chrome
+
+
+@pytest.fixture(scope="module")
+def browser(hopper_run: Path) -> Iterator[Driver]:
+    need(BROWSER and DRIVER, "chromium and its driver")
+    options = Options()
+    options.binary_location = str(BROWSER)
+    for switch in SWITCHES:
+        options.add_argument(switch)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    driver = webdriver.Chrome(options=options, service=Service(str(DRIVER)))
+    yield driver
+    driver.quit()
+
+
+@pytest.fixture
+def show(browser: Driver, hopper_run: Path) -> Callable[..., Driver]:
+    """The page at a width [px], opened anew or, for who only looks, as the last test left it."""
+
+    def at(width: int = 1280, fresh: bool = True) -> Driver:
+        metrics = {"width": width, "height": 800, "deviceScaleFactor": 1, "mobile": width < 500}
+        browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+        url = (hopper_run / "report.html").as_uri()
+        if fresh or browser.current_url != url:
+            browser.get(url)
+        ready = "return document.documentElement.dataset.ready === 'yes'"
+        WebDriverWait(browser, 30).until(lambda d: d.execute_script(ready))
+        return browser
+
+    return at
+
+
+def traces(driver: Driver) -> list[str]:
+    return list(
+        driver.execute_script("return document.getElementById('time-plot').data.map(t => t.name)")
+    )
+
+
+def pixels(driver: Driver, canvas: str) -> str:
+    return str(driver.execute_script(f"return document.getElementById('{canvas}').toDataURL()"))
+
+
+def clock(driver: Driver) -> str:
+    return driver.find_element(By.CSS_SELECTOR, "#car-controls .clock").text
+
+
+def active(driver: Driver) -> Any:
+    return driver.switch_to.active_element
+
+
+def test_page_draws_everything_without_an_error(show: Callable[..., Driver]) -> None:
+    driver = show()
+    assert driver.get_log("browser") == []
+    assert not driver.find_element(By.ID, "broken").is_displayed()
+    for plot, least in (("time-plot", 1000), ("spectrum-plot", 60)):
+        paths = driver.find_elements(By.CSS_SELECTOR, f"#{plot} .scatterlayer path.js-line")
+        assert len(paths) == 3
+        assert all(len(path.get_attribute("d") or "") > least for path in paths)
+    for canvas in ("car", "mode"):
+        inked = (
+            f"const c = document.getElementById('{canvas}');"
+            "return c.getContext('2d').getImageData(0, 0, c.width, c.height).data"
+            ".filter((v, i) => i % 4 === 3 && v).length"
+        )
+        assert driver.execute_script(inked) > 5000
+    assert len(driver.find_elements(By.CSS_SELECTOR, "#assessment tbody tr")) > 20
+
+
+def test_picking_a_signal_changes_the_plots(show: Callable[..., Driver]) -> None:
+    driver = show()
+    before = traces(driver)
+    driver.find_element(By.ID, "filter").send_keys("carbody roll cg")
+    driver.find_element(By.CSS_SELECTOR, "#choices label:not([hidden]) input").click()
+    assert traces(driver) == [*before, "carbody.cg.roll"]
+    driver.find_element(By.CSS_SELECTOR, "#chips button").click()
+    assert traces(driver) == [*before[1:], "carbody.cg.roll"]
+
+
+def test_play_moves_the_car_and_the_clock(show: Callable[..., Driver]) -> None:
+    driver = show()
+    drawn, said = pixels(driver, "car"), clock(driver)
+    button = driver.find_element(By.CSS_SELECTOR, "#car-controls .play")
+    assert button.get_attribute("aria-label") == "Play"
+    button.click()
+    WebDriverWait(driver, 10).until(lambda d: clock(d) > "0.10 s")
+    assert button.get_attribute("aria-label") == "Pause"
+    button.click()
+    assert clock(driver) != said
+    assert pixels(driver, "car") != drawn
+
+
+def test_modes_move_and_differ(show: Callable[..., Driver]) -> None:
+    driver = show()
+    first = pixels(driver, "mode")
+    driver.find_elements(By.CSS_SELECTOR, "#mode-choices input")[2].click()
+    second = pixels(driver, "mode")
+    assert second != first
+    driver.find_element(By.CSS_SELECTOR, "#mode-controls .play").click()
+    WebDriverWait(driver, 10).until(lambda d: pixels(d, "mode") != second)
+
+
+def test_keys_alone_reach_and_work_the_car(show: Callable[..., Driver]) -> None:
+    """Tab goes from the links to the car, its button, time, speed, amplification and views."""
+    driver = show()
+    reached = []
+    for _ in range(20):
+        active(driver).send_keys(Keys.TAB)
+        here = active(driver)
+        reached.append(here.get_attribute("id") or here.get_attribute("aria-label"))
+        if here.get_attribute("id") == "filter":
+            break
+    order = ("car", "Play", "Time", "car-speed", "car-gain", "filter")
+    assert [name for name in reached if name in order] == list(order)
+
+    car = driver.find_element(By.ID, "car")
+    driver.execute_script("arguments[0].focus()", car)
+    car.send_keys(Keys.ARROW_RIGHT)
+    assert clock(driver) == "0.01 s"
+    car.send_keys(Keys.SPACE)
+    WebDriverWait(driver, 10).until(lambda d: clock(d) > "0.10 s")
+    car.send_keys(Keys.SPACE)
+    stopped = clock(driver)
+    car.send_keys(Keys.HOME)
+    assert clock(driver) == "0.00 s" != stopped
+
+
+@pytest.mark.parametrize("width", [360, 768])
+def test_page_does_not_scroll_sideways(show: Callable[..., Driver], width: int) -> None:
+    driver = show(width, fresh=width < 500)
+    broad = "return document.documentElement.scrollWidth"
+    # Plots follow a new width when the browser has drawn it.
+    WebDriverWait(driver, 20).until(lambda d: d.execute_script(broad) <= width)
+    assert driver.get_log("browser") == []
+
+
+def test_everything_to_work_with_has_a_name(show: Callable[..., Driver]) -> None:
+    driver = show(fresh=False)
+    nameless = driver.execute_script(
+        """return [...document.querySelectorAll("main button, main input, main select, canvas")]
+        .filter(e => !(e.ariaLabel || e.textContent.trim() || e.labels?.length))
+        .map(e => e.outerHTML)"""
+    )
+    assert nameless == []
+
+
+def test_colours_follow_the_systems_dark_mode(show: Callable[..., Driver]) -> None:
+    driver = show(fresh=False)
+    light = driver.execute_script("return getComputedStyle(document.body).backgroundColor")
+    features = [{"name": "prefers-color-scheme", "value": "dark"}]
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
+    dark = driver.execute_script("return getComputedStyle(document.body).backgroundColor")
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+    assert dark != light

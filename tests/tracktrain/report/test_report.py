@@ -1,0 +1,126 @@
+"""What a run's page holds, read without a browser."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import html
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+from tracktrain.car.shapes import COUNT, unit_motions, wire_frame
+from tracktrain.cli.main import main
+from tracktrain.report import page, series
+from tracktrain.report.motion import modes, scene
+from tracktrain.report.packing import envelope, envelope_time, packed
+
+BODY = {
+    "body_length": 13.0, "gravity_centre_height": 1.5, "body_mass": 9e4, "roll_inertia": 1e5,
+    "pitch_inertia": 1e6, "yaw_inertia": 1e6, "torsion_shape": 1.2, "half_truck_spacing": 5.0,
+}  # fmt: skip
+TRUCK = {
+    "half_wheelbase": 0.86, "half_side_frame_spacing": 0.99, "half_contact_spacing": 0.76,
+    "centre_plate_height": 0.65,
+}  # fmt: skip
+
+
+def plain(rows: int = 400) -> xr.Dataset:
+    """A run of something that is no car."""
+    time = np.arange(rows) / 100
+    wave = xr.Variable("time", 3.0 * np.sin(2 * np.pi * 5 * time), {"units": "N"})
+    return xr.Dataset({"a.force": wave, "a.<b>": wave * 2}, {"time": time}, {"step": 0.01})
+
+
+def test_motions_of_the_wire_frame_add_up_to_any_shape() -> None:
+    lines, motions = unit_motions(BODY, TRUCK)
+    rng = np.random.default_rng(3)
+    shape = rng.normal(size=(COUNT, 2)) @ [1, 1j]
+    whole = np.concatenate([line.motion for line in wire_frame(shape, BODY, TRUCK)])
+    summed = np.tensordot(shape, motions, axes=1)
+    np.testing.assert_allclose(summed, whole, atol=1e-12)
+    assert sum(len(line.points) for line in lines) == motions.shape[1]
+
+
+def test_packed_numbers_come_back() -> None:
+    arrays = {"a": np.arange(6.0).reshape(2, 3), "b": np.array([1e-9, -np.pi])}
+    index, text = packed(arrays)
+    planes = np.frombuffer(gzip.decompress(base64.b64decode(text)), np.uint8).reshape(4, -1)
+    numbers = np.ascontiguousarray(planes.T).view("<f4").ravel()
+    for name, values in arrays.items():
+        part = numbers[index[name]["start"] :][: values.size].reshape(index[name]["shape"])
+        np.testing.assert_array_equal(part, values.astype(np.float32))
+
+
+def test_no_peak_is_lost_in_a_curve_of_few_points() -> None:
+    values = np.random.default_rng(4).normal(size=1000)
+    values[677] = 50.0
+    drawn = envelope(values, 20)
+    time = envelope_time(np.arange(1000.0), 20)
+    assert len(drawn) == len(time) == 100
+    assert drawn.max() == 50.0
+    assert time[drawn.argmax()] == pytest.approx(677, abs=20)
+    assert np.all(np.diff(time) > 0)
+
+
+def test_spectrum_has_the_variance_of_the_signal() -> None:
+    frequency, density = series.spectrum(plain(4000)["a.force"].values, 100.0)
+    assert np.trapezoid(density, frequency) == pytest.approx(4.5, rel=0.05)
+    assert frequency[density.argmax()] == pytest.approx(5.0, abs=0.1)
+
+
+def test_page_needs_nothing_from_elsewhere() -> None:
+    text = page(plain())
+    assert "default-src 'none'" in text
+    outside = re.sub(r'<script type="text/plain".*?</script>', "", text, flags=re.DOTALL)
+    assert not re.search(r"(src|href)=[\"']?(https?:)?//", outside)
+
+
+def test_page_of_any_system_has_its_signals_and_no_car() -> None:
+    text = page(plain())
+    found = re.search(r'id="known">(.*?)</script>', text)
+    assert found
+    known = json.loads(found[1])
+    assert [signal["name"] for signal in known["signals"]] == ["a.force", "a.<b>"]
+    assert known["signals"][0]["unit"] == "kN"
+    assert known["scene"] is None
+    assert known["modes"] is None
+
+
+def test_verdict_and_reason_of_a_stop_are_shown_where_there_are_any() -> None:
+    assert 'id="verdict"' not in page(plain())
+    said = page(plain().assign_attrs(verdict="trust <it>", stopped="the disk is full"))
+    assert "trust &lt;it&gt;" in said
+    assert "the disk is full" in said
+
+
+def test_run_without_rows_is_refused(tmp_path: Path) -> None:
+    plain(1).to_netcdf(tmp_path / "results.nc")
+    result = CliRunner().invoke(main, ["report", str(tmp_path)])
+    assert result.exit_code == 2
+    assert "the run has no two rows of any signal; there is nothing to report" in result.stderr
+
+
+def test_run_writes_its_page_with_all_that_it_is_made_of(hopper_run: Path) -> None:
+    text = (hopper_run / "report.html").read_text()
+    assert (hopper_run / "report.html").stat().st_size < 10e6
+    with xr.open_dataset(hopper_run / "results.nc") as dataset:
+        fmus = json.loads(dataset.attrs["fmus"])
+        for fmu in fmus.values():
+            assert fmu["sha256"] in text
+        for note in json.loads(dataset.attrs["notes"]):
+            assert html.escape(note) in text
+        assert "tracktrain run --duration 1s" in text
+        assert "1.25 Hz roll mode within 5 %" in text  # a parameter's source
+        assert "truck_rear.car.moment_z * carbody.rear.wz" in text  # a bond
+        drawing, arrays = scene(dataset) or pytest.fail("no scene")
+        assert arrays["coordinates"].shape == (101, COUNT)
+        assert arrays["way"][-1] == pytest.approx(18.288)
+        named, _ = modes(dataset) or pytest.fail("no modes")
+        assert any(mode["name"] == "torsion" or "roll" in mode["name"] for mode in named)
+        assert drawing["firstAxle"] == pytest.approx((203 + 34) * 0.0254)

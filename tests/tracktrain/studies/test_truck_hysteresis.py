@@ -1,0 +1,64 @@
+"""The truck's loops on the rig: energy in closed form, no influence of rate, wedges under load."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import tolerances
+from tracktrain.scales import POUND_FORCE
+from tracktrain.studies.truck_hysteresis import truck_hysteresis
+
+pytestmark = pytest.mark.xdist_group("truck_hysteresis")  # one worker makes what all share
+
+
+@pytest.fixture(scope="module")
+def constant():
+    return truck_hysteresis(loads=(20.0, 100.0), periods=(2.0, 4.0))
+
+
+def test_every_loop_dissipates_4f_times_slip(constant):
+    table = constant.tables["loops"]
+    assert len(table) == 6 * 2 * 2
+    assert table["energy [J]"].to_numpy() == pytest.approx(
+        table["4f(A-f/Kf) [J]"].to_numpy(), rel=tolerances.LOOP_ENERGY
+    )
+
+
+def test_loops_do_not_depend_on_the_rate(constant):
+    for element in ("bolster_roll", "bolster_vertical", "warp"):
+        force = constant.dataset[f"{element}.force"].sel(load=100.0)
+        difference = np.abs(force.sel(period=2.0) - force.sel(period=4.0)).max()
+        assert difference < tolerances.LOOP_RATE * float(np.abs(force).max())
+
+
+def test_constant_wedges_do_not_feel_the_load(constant):
+    energy = constant.tables["loops"].reset_index().groupby("element")["energy [J]"]
+    assert (energy.max() / energy.min() - 1 < tolerances.LOOP_RATE).all()
+
+
+def test_proportional_wedges_hold_as_much_as_the_load_on_them():
+    loads = (20.0, 100.0)
+    outcome = truck_hysteresis(wedge_law="load_proportional", loads=loads, periods=(2.0,))
+    force = outcome.dataset["bolster_roll.force"].isel(period=0)
+    strain = outcome.dataset["bolster_roll.strain"].isel(period=0)
+    width = [
+        float(np.ptp(force.sel(load=load).values[np.abs(strain.sel(load=load)) < 1e-4]))
+        for load in loads
+    ]
+    static = 97.6e3 * POUND_FORCE  # 110 000 lb less two wheelsets and two side frames
+    limits = [
+        2 * 2.73e5 * POUND_FORCE * 0.0254 * load * 1e3 * POUND_FORCE / static for load in loads
+    ]
+    assert np.array(width) == pytest.approx(limits, rel=0.2)
+    energy = outcome.tables["loops"].loc["3 bolster roll"]
+    assert energy["energy [J]"].to_numpy() == pytest.approx(
+        energy["4f(A-f/Kf) [J]"].to_numpy(), rel=0.03
+    )
+    unchanged = outcome.tables["loops"].loc["6 warp", "energy [J]"]
+    assert np.ptp(unchanged) < 1e-3 * unchanged.iloc[0]
+
+
+def test_every_element_of_table_4_5_is_drawn_and_written(constant, tmp_path):
+    written = {path.name for path in constant.write(tmp_path)}
+    assert {"figure_4_20.png", "loops.csv", "loop_warp.csv", "loop_bolster_lateral.csv"} <= written

@@ -1,0 +1,194 @@
+"""Sweeps: the grid, rows that survive, rows that say why, and the numbers of single runs."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+from orchestrator import simulate
+from orchestrator.results.metrics import dominant_frequency, peak, rms
+from tracktrain.car.hopper import hopper_car
+from tracktrain.cli.main import main
+from tracktrain.options.master import COUPLING
+from tracktrain.scales import FOOT
+from tracktrain.sweep import sweep
+from tracktrain.sweep.axes import SweepError, make_axis, read_axis
+from tracktrain.sweep.grid import USUAL
+
+FORCE = "wheelset_11.force_y"
+SHORT = {"outputs": [FORCE], "duration": 0.2, "workers": 1}
+
+
+@pytest.mark.parametrize(
+    ("text", "values", "unit"),
+    [
+        ("speed=20:140:40ft/s", (20, 60, 100, 140), "ft/s"),
+        ("seed=1:3", (1, 2, 3), ""),
+        ("speed=60,80 ft/s", (60, 80), "ft/s"),
+        ("speed=60ft/s,80ft/s", (60, 80), "ft/s"),
+        ("wheelset_11.conicity=0.1:0.3:0.1", (0.1, 0.2, 0.3), ""),
+        ("truck_front.initial.yaw=0.3:-0.3:-0.3deg", (0.3, 0.0, -0.3), "deg"),
+        ("wheelset_11.creep_law=linear,polach", ("linear", "polach"), ""),
+        ("car=loaded,empty", ("loaded", "empty"), ""),
+    ],
+)
+def test_axes_are_ranges_or_lists_with_a_unit(text, values, unit):
+    axis = read_axis(text)
+    assert axis.values == values and axis.unit == unit
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("speed", "write it as speed=20:140:5ft/s"),
+        ("spede=1:2", "did you mean speed"),
+        ("speed=20:140:5", "has no unit"),
+        ("speed=20:140:5kg", "not a speed"),
+        ("speed=0:10:5ft/s", "above zero"),
+        ("speed=100:20:5ft/s", "is empty"),
+        ("speed=60ft/s,30mph", "mixes the units ft/s and mph"),
+        ("seed=1:2:0.5", "whole number"),
+        ("seed=1,1", "twice"),
+        ("car=loaded,emty", "did you mean empty"),
+        ("truck_front.bolster_lateral.stifness=1:2", "did you mean bolster_lateral.stiffness"),
+        ("truck_front.bolster_lateral.stiffness=1:2", "the unit is missing"),
+        ("truck_middle.mass=1", "there is no instance 'truck_middle'"),
+    ],
+)
+def test_what_cannot_be_swept_over_is_said(text, said):
+    with pytest.raises((SweepError, ValueError)) as raised:
+        read_axis(text)
+    assert said in str(raised.value)
+
+
+def test_numbers_without_a_unit_are_in_si_units():
+    assert make_axis("speed", [20.0, np.float64(30.0)]).unit == "m/s"
+    assert make_axis("truck_front.bolster_mass", [600.0]).unit == "kg"
+
+
+def test_a_point_has_the_numbers_of_its_run():
+    over = {"speed": "60,100 ft/s", "truck_front.initial.yaw": "0.1,0.2 deg"}
+    table = sweep(over, **SHORT, track="perfect")
+    assert table[f"{FORCE}.rms"].dims == ("speed", "truck_front.initial.yaw")
+    system = hopper_car(speed=100 * FOOT, track="perfect")
+    run = simulate(system.with_value("truck_front.initial.yaw", "0.2 deg"), duration=0.2)
+    force, point = run.dataset[FORCE], table.isel({dim: 1 for dim in table.dims})
+    assert float(point[f"{FORCE}.rms"]) == rms(force)
+    assert float(point[f"{FORCE}.peak"]) == peak(force)
+    assert float(point[f"{FORCE}.frequency"]) == dominant_frequency(force)
+    ratios = [v for v in run.dataset if str(v).endswith("l_over_v")]
+    assert float(point["l_over_v.max"]) == max(peak(run.dataset[v]) for v in ratios)
+    assert float(point["energy_residual"]) == max(bond.relative for bond in run.bonds)
+    assert str(point["verdict"].item()) == str(run.verdict)
+
+
+def test_runs_do_not_depend_on_what_ran_before_in_the_process():
+    over = {"car": "loaded,empty", "seed": "1:2"}
+    kept, anew = (sweep(over, **SHORT, reuse=reuse) for reuse in (True, False))
+    assert np.array_equal(kept[f"{FORCE}.rms"], anew[f"{FORCE}.rms"])
+
+
+def test_a_run_that_fails_is_a_row_that_says_why():
+    table = sweep({"wheelset_11.axle_load": "-1,55000 lbf"}, **SHORT)
+    assert "must be at least" in str(table["message"].values[0])
+    assert np.isnan(table[f"{FORCE}.rms"].values).tolist() == [True, False]
+
+
+def test_a_sweep_goes_on_where_it_stopped(tmp_path, monkeypatch):
+    from tracktrain.sweep import workers
+
+    own, made = workers.run_one, []
+
+    def stopping(options, *rest):
+        if len(made) == 2:
+            raise KeyboardInterrupt
+        made.append(options["seed"])
+        return own(options, *rest)
+
+    monkeypatch.setattr(workers, "run_one", stopping)
+    with pytest.raises(KeyboardInterrupt):
+        sweep({"seed": "1:4"}, out=tmp_path, **SHORT)
+    assert len(pd.read_csv(tmp_path / "sweep.csv")) == 2
+    with (tmp_path / "rows.jsonl").open("a") as rows:
+        rows.write('{"run": 2, "uni')  # what a kill may leave
+    monkeypatch.setattr(workers, "run_one", lambda o, *r: made.append(o["seed"]) or own(o, *r))
+    table = sweep({"seed": "1:4"}, out=tmp_path, **SHORT)
+    assert made == [1, 2, 3, 4] and bool(table["done"].all())
+    whole = sweep({"seed": "1:4"}, **SHORT)
+    assert np.array_equal(table[f"{FORCE}.rms"], whole[f"{FORCE}.rms"])
+
+
+def test_a_folder_belongs_to_one_sweep(tmp_path):
+    sweep({"seed": "1"}, out=tmp_path, **SHORT)
+    with pytest.raises(SweepError, match="give the same options"):
+        sweep({"seed": "1"}, out=tmp_path, **{**SHORT, "duration": 0.3})
+    with pytest.raises(SweepError, match=r"over = .*not"):
+        sweep({"seed": "1:2"}, out=tmp_path, **SHORT)
+
+
+def test_processes_make_the_rows_of_one_process(tmp_path):
+    over = {"speed": "60,80 ft/s", "seed": "1:2"}
+    alone = sweep(over, **SHORT)
+    shared = sweep(over, **{**SHORT, "workers": 2}, out=tmp_path)
+    assert np.array_equal(alone[f"{FORCE}.rms"], shared[f"{FORCE}.rms"])
+    with xr.open_dataset(tmp_path / "sweep.nc") as written:
+        assert np.array_equal(written[f"{FORCE}.peak"], alone[f"{FORCE}.peak"])
+        assert written["speed"].attrs["units"] == "ft/s"
+
+
+def test_a_running_cluster_is_used(monkeypatch):
+    from distributed import LocalCluster
+
+    with LocalCluster(n_workers=1, processes=False, dashboard_address=None) as cluster:
+        table = sweep({"seed": "1:2"}, **SHORT, scheduler=cluster.scheduler_address)
+    assert bool(table["done"].all()) and not any(table["message"].values)
+
+
+def test_the_command_writes_table_and_pictures_and_refuses(tmp_path):
+    arguments = ["sweep", "--workers", "1", "--duration", "0.2s", "--out", str(tmp_path)]
+    arguments += ["--over", "speed=60:80:20ft/s", "--over", "car=loaded,empty"]
+    result = CliRunner().invoke(main, arguments)
+    assert result.exit_code == 0, result.output
+    table = pd.read_csv(tmp_path / "sweep.csv")
+    assert list(table.columns[:2]) == ["speed [ft/s]", "car"] and len(table) == 4
+    assert {f"{FORCE}.rms [N]", "wall_time [s]", "l_over_v.max"} <= set(table.columns)
+    assert (tmp_path / "wheelset_11.force_y.png").exists()
+    twice = CliRunner().invoke(main, [*arguments, "--car", "empty"])
+    assert twice.exit_code == 2 and "leave out --car" in twice.output
+    nowhere = [*arguments[:-2], "--scheduler", "tcp://127.0.0.1:1", "--track", "fra4"]
+    lost = CliRunner().invoke(main, [*nowhere, "--out", str(tmp_path / "other")])
+    assert lost.exit_code == 2 and "there is no Dask scheduler" in lost.output
+
+
+@pytest.mark.slow
+def test_ctrl_c_keeps_what_is_done(tmp_path):
+    command = [sys.executable, "-m", "tracktrain", "sweep", "--over", "seed=1:2000", "--workers"]
+    running = subprocess.Popen(
+        [*command, "2", "--out", str(tmp_path), "--quiet"],
+        start_new_session=True,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    rows = tmp_path / "rows.jsonl"
+    while not (rows.exists() and rows.stat().st_size):
+        time.sleep(0.1)
+    os.killpg(running.pid, signal.SIGINT)
+    _, said = running.communicate(timeout=60)
+    assert running.returncode == 1
+    assert "the same command goes on" in said and "Traceback" not in said
+    done = [json.loads(line)["run"] for line in rows.read_text().splitlines()]
+    assert len(done) == len(pd.read_csv(tmp_path / "sweep.csv")) < 2000
+
+
+def test_a_sweep_takes_every_option_of_how_fmus_are_coupled():
+    assert set(COUPLING) <= set(USUAL)
