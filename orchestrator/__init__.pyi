@@ -25,7 +25,7 @@ from .plan.ports import Problem, fit
 from .results.callback import Callback
 from .results.csv_table import CsvTable
 from .results.energy import BondResidual
-from .results.metrics import dominant_frequency, peak, rms
+from .results.metrics import dominant_frequency, peak, rms, vertex
 from .results.netcdf import RESULTS_NAME, ResultsFile
 from .results.provenance import Provenance
 from .results.run import Run
@@ -129,5 +129,6 @@ __all__ = [
     "survey",
     "taken_apart",
     "verify",
+    "vertex",
     "write_ssp",
 ]

@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .car.hopper import layout_of
+from .curves import extremes
 from .results import mean_speed
 from .scales import ACCELERATION, ANGLE, DISPLACEMENT, FOOT, FORCE, MILE_PER_HOUR, Scale
 
@@ -192,12 +193,15 @@ def envelope(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     width = len(x) // (POINTS // 2)
     if width < 2:
         return x, y
-    count = len(x) // width * width
-    bins = y[:count].reshape(-1, width)
-    ends = np.sort([bins.argmin(axis=1), bins.argmax(axis=1)], axis=0)
-    kept = (ends + np.arange(len(bins)) * width).T.ravel()
-    kept = np.append(kept, np.arange(count, len(x)))
+    rest = np.arange(len(x) // width * width, len(x))
+    kept = np.append(extremes(y, width), rest)
     return x[kept], y[kept]
+
+
+def column(count: int, height: float, room: float = 0.9) -> tuple[Figure, list[Axes]]:
+    """Axes one below the other over the same x: the height of each, and of the room around [in]."""
+    figure = Figure(figsize=(WIDTH, room + height * count), layout="constrained")
+    return figure, list(figure.subplots(count, sharex=True, squeeze=False)[:, 0])
 
 
 def conversion(factor: float) -> tuple[Callable[[Any], Any], Callable[[Any], Any]]:

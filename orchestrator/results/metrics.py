@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,6 +22,16 @@ def peak(response: xr.DataArray) -> float:
     return float(np.max(np.abs(response.values)))
 
 
+def vertex(three: NDArray[np.float64]) -> float:
+    """Place of the parabola's peak through three values, in steps from the middle one.
+
+    0 where they have no peak.
+    """
+    left, middle, right = three
+    curvature = left - 2.0 * middle + right
+    return float(0.5 * (left - right) / curvature) if curvature < 0.0 else 0.0
+
+
 def dominant_frequency(response: xr.DataArray) -> float:
     """Frequency [Hz] of the highest spectral peak; NaN where nothing moves.
 
@@ -35,8 +46,6 @@ def dominant_frequency(response: xr.DataArray) -> float:
     line = int(np.argmax(size[1:])) + 1
     shift = 0.0
     if 1 < line < size.size - 1 and np.all(size[line - 1 : line + 2] > 0.0):
-        left, middle, right = np.log(size[line - 1 : line + 2])
-        curvature = left - 2.0 * middle + right
-        shift = 0.5 * (left - right) / curvature if curvature < 0.0 else 0.0
+        shift = vertex(np.log(size[line - 1 : line + 2]))
     step = (time[-1] - time[0]) / (time.size - 1)
     return float((line + shift) / (values.size * step))

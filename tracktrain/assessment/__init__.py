@@ -9,16 +9,8 @@ import pandas as pd
 import xarray as xr
 
 from .car import Car
-from .criteria import (
-    LIMITS,
-    MEASURES,
-)
-from .rules import (
-    NotApplicableError,
-    Rule,
-    from_si,
-    rules,
-)
+from .criteria import LIMITS, MEASURES
+from .rules import NotApplicableError, Rule, from_si, rules
 
 PASSED, EXCEEDED, NO_LIMIT = "passed", "exceeded", "no limit"
 

@@ -15,11 +15,7 @@ from orchestrator import dominant_frequency
 
 from ..car.hopper import layout_of
 from ..car.layout import Axle, Truck
-from .rules import (
-    Band,
-    NotApplicableError,
-    Rule,
-)
+from .rules import Band, NotApplicableError, Rule
 
 Array = NDArray[np.float64]
 SAMPLES_PER_CYCLE = 4

@@ -10,29 +10,11 @@ from math import tan
 
 import numpy as np
 
-from ..car.layout import (
-    SIDES,
-    Axle,
-    Truck,
-)
+from ..car.layout import SIDES, Axle, Truck
 from . import windows
-from .car import (
-    Array,
-    Car,
-)
-from .rules import (
-    NotApplicableError,
-    Rule,
-    parameter,
-    to_si,
-)
-from .weighting import (
-    LEAST_RATE,
-    W_D,
-    W_K,
-    Weighting,
-    sperling,
-)
+from .car import Array, Car
+from .rules import NotApplicableError, Rule, parameter, to_si
+from .weighting import LEAST_RATE, W_D, W_K, Weighting, sperling
 
 Found = Iterator[tuple[str, float]]
 Measure = Callable[[Car, Rule], Found]

@@ -6,18 +6,9 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
-from orchestrator import (
-    Description,
-    PortMap,
-    System,
-    Value,
-    describe,
-)
+from orchestrator import Description, PortMap, System, Value, describe
 
-from ..errors import (
-    HopperError,
-    choices,
-)
+from ..errors import HopperError, choices
 from .hopper import layout_of
 
 COORDINATE = "initial."

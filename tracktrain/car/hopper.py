@@ -9,20 +9,10 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from fmus.catalogue import fmu_path
-from orchestrator import (
-    Component,
-    System,
-    Value,
-)
+from orchestrator import Component, System, Value
 
-from ..errors import (
-    HopperError,
-    choices,
-)
-from .layout import (
-    Layout,
-    Truck,
-)
+from ..errors import HopperError, choices
+from .layout import Layout, Truck
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -6,18 +6,9 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from orchestrator import (
-    Connection,
-    PowerBond,
-)
+from orchestrator import Connection, PowerBond
 
-from ..scales import (
-    ACCELERATION,
-    DISPLACEMENT,
-    FORCE,
-    RATIO,
-    Scale,
-)
+from ..scales import ACCELERATION, DISPLACEMENT, FORCE, RATIO, Scale
 
 SIDES = ("left", "right")
 VELOCITY_OF = {"force_y": "vy", "force_z": "vz", "moment_x": "wx", "moment_z": "wz"}

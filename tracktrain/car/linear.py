@@ -20,14 +20,8 @@ from fmus.describe.block import Block
 from fmus.truck.mass import mass_matrix
 from fmus.truck.ports import ELEMENTS
 
-from ..errors import (
-    HopperError,
-    choices,
-)
-from .hopper import (
-    parameters_of,
-    vehicle,
-)
+from ..errors import HopperError, choices
+from .hopper import parameters_of, vehicle
 from .layout import Layout
 
 Array = NDArray[np.float64]

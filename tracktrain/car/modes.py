@@ -12,11 +12,7 @@ from scipy.optimize import brentq, linear_sum_assignment
 
 from ..scales import FOOT
 from ..terminal import Progress
-from .linear import (
-    Array,
-    Complex,
-    LinearCar,
-)
+from .linear import Array, Complex, LinearCar
 
 SPEEDS = (20.0, 140.0)
 """Speeds between which the modes are followed [ft/s], as report Figure 7-14 and beyond."""

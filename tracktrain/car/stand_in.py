@@ -2,52 +2,38 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from fmus.catalogue import fmu_path
 from orchestrator import (
+    Contents,
     Description,
     FmuError,
     OrchestratorError,
+    Plan,
     PortMap,
     Problem,
     System,
     UnitError,
     Variable,
+    Way,
+    conversion,
+    couple,
     describe,
     fit,
-)
-from orchestrator.fmu.arrays import (
+    interpolated,
+    make_plan,
+    open_fmu,
     shaped,
+    survey,
     taken_apart,
 )
-from orchestrator.fmu.read import (
-    Contents,
-    open_fmu,
-    survey,
-)
-from orchestrator.fmu.units import conversion
-from orchestrator.masters.coupling import (
-    Way,
-    couple,
-    interpolated,
-)
-from orchestrator.plan.plan import (
-    Plan,
-    make_plan,
-)
 
-from .changes import (
-    connected_ports,
-    differentiated,
-    swapped,
-)
-from .hopper import (
-    HOPPER,
-    hopper_car,
-)
+from .changes import connected_ports, differentiated, swapped
+from .hopper import HOPPER, hopper_car
 
 NO_UNIT = (None, "", "1")
 
@@ -225,8 +211,6 @@ def _other_type(port: Variable, variable: Variable) -> str:
 
 
 def _lookalike(port: Variable, own: Description, found: Description) -> str:
-    import difflib
-
     ports = found.inputs if port.causality == "input" else found.outputs
     others = [v.name for v in ports if v.name not in own.variables]
     close = difflib.get_close_matches(port.name, others, n=1, cutoff=0.7)

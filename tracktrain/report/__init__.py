@@ -18,15 +18,8 @@ from plotly.offline import get_plotlyjs
 
 from ..assessment import assess
 from ..errors import TracktrainError
-from . import (
-    content,
-    motion,
-    series,
-)
-from .packing import (
-    compressed,
-    packed,
-)
+from . import content, motion, series
+from .packing import compressed, packed
 
 NAME = "report.html"
 SCRIPTS = ("data.js", "scene.js", "player.js", "plots.js", "page.js")

@@ -13,23 +13,12 @@ import pandas as pd
 import xarray as xr
 
 from fmus import BLOCKS
-from fmus.describe.parameters import (
-    PARAMETER_SETS,
-    Entry,
-    parameter_set,
-)
+from fmus.describe.parameters import PARAMETER_SETS, Entry, parameter_set
 
-from ..assessment import (
-    EXCEEDED,
-    PASSED,
-)
+from ..assessment import EXCEEDED, PASSED
 from ..car.hopper import layout_of
 from ..results import mean_speed
-from ..scales import (
-    FOOT,
-    MILE_PER_HOUR,
-    three_digits,
-)
+from ..scales import FOOT, MILE_PER_HOUR, three_digits
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..curves import extremes
+
 Array = NDArray[np.float64]
 
 
@@ -35,14 +37,7 @@ def compressed(content: bytes) -> str:
 
 def envelope(values: Array, width: int) -> Array:
     """Least and largest value of each `width` rows, in the order in which they came."""
-    if width < 3:
-        return values
-    count = len(values) // width * width
-    bins = values[:count].reshape(-1, width)
-    low, high = bins.argmin(axis=1), bins.argmax(axis=1)
-    first, last = np.minimum(low, high), np.maximum(low, high)
-    rows = np.arange(len(bins))
-    return np.column_stack([bins[rows, first], bins[rows, last]]).ravel()
+    return values if width < 3 else values[extremes(values, width)].ravel()
 
 
 def envelope_time(time: Array, width: int) -> Array:

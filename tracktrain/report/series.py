@@ -11,10 +11,7 @@ from numpy.typing import NDArray
 from scipy.signal import welch
 
 from ..car.hopper import layout_of
-from .packing import (
-    envelope,
-    envelope_time,
-)
+from .packing import envelope, envelope_time
 
 Array = NDArray[np.float64]
 POINTS = 6000

@@ -14,39 +14,16 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from fmus.carbody.modes import frequencies, mode_shapes
-from orchestrator import (
-    Run,
-    Value,
-)
+from orchestrator import Run, Value, vertex
 
-from ..car.hopper import (
-    parameters_of,
-    vehicle,
-)
-from ..options.car import (
-    car_option,
-    fmu_option,
-)
-from ..plots import (
-    BLUE,
-    MUTED,
-    RED,
-    STYLE,
-)
+from ..car.hopper import parameters_of, vehicle
+from ..options.car import car_option, fmu_option
+from ..plots import BLUE, MUTED, RED, STYLE
 from ..terminal import Progress
 from .common.command import study_command
 from .common.outcome import Outcome
-from .common.rig import (
-    Signals,
-    completed,
-    rig,
-    run_on_rig,
-    under_test,
-)
-from .common.ringdown import (
-    oscillation,
-    separable,
-)
+from .common.rig import Signals, completed, rig, run_on_rig, under_test
+from .common.ringdown import oscillation, separable
 
 SWEEP, TAIL, DWELL, DECAY = 40.0, 12.0, 3.0, 4.0
 """Duration of the sweep, of the silence after it, of the dwell and of the decay [s]."""
@@ -264,10 +241,8 @@ def _quadrature_peak(ratio: xr.DataArray, near: float) -> float:
     part = ratio.sel(frequency=slice(0.8 * near, 1.2 * near))
     height = np.abs(part.values.imag)
     top = int(np.clip(height.argmax(), 1, len(height) - 2))
-    left, middle, right = height[top - 1 : top + 2]
-    shift = 0.5 * (left - right) / (left - 2 * middle + right)  # of the parabola through the three
     spacing = float(part.frequency[1] - part.frequency[0])
-    return float(part.frequency[top]) + shift * spacing
+    return float(part.frequency[top]) + vertex(height[top - 1 : top + 2]) * spacing
 
 
 def _on_air(mode: Mode, values: Values, springs: AirSprings) -> float:
@@ -357,52 +332,52 @@ def _dataset(
     return xr.Dataset(data, attrs={"car": car})
 
 
+@mpl.rc_context(STYLE)
 def _transfer_figure(
     transfer: Mapping[tuple[str, float], xr.Dataset], found: Sequence[Found]
 ) -> Figure:
     """Imaginary part and phase of each force vector's transfer function, with the modes found."""
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 9.0), layout="constrained")
-        grid = figure.subplots(len(transfer), 1, sharex=True)
-        for axes, (vector, ratios) in zip(grid, transfer.items(), strict=True):
-            own = [f for f in found if (f.mode.force, f.mode.rear) == vector]
-            ratio = ratios[own[0].mode.accelerometer]
-            axes.semilogx(ratio.frequency, 1e6 * ratio.imag, color=BLUE, label="imaginary part")
-            axes.semilogx(ratio.frequency, 1e6 * ratio.real, color=MUTED, lw=0.7, label="real part")
-            for f in own:
-                axes.axvline(f.frequency, color=RED, lw=0.8, ls=(0, (4, 3)))
-                axes.annotate(
-                    f"{f.mode.name}\n{f.frequency:.2f} Hz",
-                    (f.frequency, 1.0),
-                    (4, -3),
-                    xycoords=("data", "axes fraction"),
-                    textcoords="offset points",
-                    color=RED,
-                    va="top",
-                    fontsize=8,
-                )
-            axes.set_ylabel(f"{own[0].mode.accelerometer}\nover {vector[0]} [1e-6/kg(.m2)]")
-            axes.set_title(f"{vector[0]}, rear {'in' if vector[1] > 0 else 'against'} phase")
-        grid[0].legend(frameon=False, loc="upper left")
-        grid[-1].set_xlabel("frequency [Hz]")
-        figure.suptitle(
-            "Transfer functions, acceleration over force (report Figure 4-8)", ha="left", x=0.01
-        )
-        return figure
+    figure = Figure(figsize=(9.0, 9.0), layout="constrained")
+    grid = figure.subplots(len(transfer), 1, sharex=True)
+    for axes, (vector, ratios) in zip(grid, transfer.items(), strict=True):
+        own = [f for f in found if (f.mode.force, f.mode.rear) == vector]
+        ratio = ratios[own[0].mode.accelerometer]
+        axes.semilogx(ratio.frequency, 1e6 * ratio.imag, color=BLUE, label="imaginary part")
+        axes.semilogx(ratio.frequency, 1e6 * ratio.real, color=MUTED, lw=0.7, label="real part")
+        for f in own:
+            axes.axvline(f.frequency, color=RED, lw=0.8, ls=(0, (4, 3)))
+            axes.annotate(
+                f"{f.mode.name}\n{f.frequency:.2f} Hz",
+                (f.frequency, 1.0),
+                (4, -3),
+                xycoords=("data", "axes fraction"),
+                textcoords="offset points",
+                color=RED,
+                va="top",
+                fontsize=8,
+            )
+        axes.set_ylabel(f"{own[0].mode.accelerometer}\nover {vector[0]} [1e-6/kg(.m2)]")
+        axes.set_title(f"{vector[0]}, rear {'in' if vector[1] > 0 else 'against'} phase")
+    grid[0].legend(frameon=False, loc="upper left")
+    grid[-1].set_xlabel("frequency [Hz]")
+    figure.suptitle(
+        "Transfer functions, acceleration over force (report Figure 4-8)", ha="left", x=0.01
+    )
+    return figure
 
 
+@mpl.rc_context(STYLE)
 def _decay_figure(found: Sequence[Found]) -> Figure:
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 8.0), layout="constrained")
-        grid = figure.subplots(len(found), 1, sharex=True)
-        for axes, f in zip(grid, found, strict=True):
-            late = f.decay.sel(time=slice(DWELL, None))
-            time = late.time.values - DWELL
-            axes.plot(time, late / abs(late).max(), color=BLUE, lw=0.8)
-            envelope = np.exp(-2 * pi * f.frequency * f.damping * time)
-            for sign in (1, -1):
-                axes.plot(time, sign * envelope, color=RED, lw=0.9)
-            axes.set_title(f"{f.mode.name}: {f.frequency:.2f} Hz, damping {100 * f.damping:.2f} %")
-        grid[-1].set_xlabel("time after the shakers stop [s]")
-        figure.suptitle("Decay traces (report Figure 4-9)", ha="left", x=0.01)
-        return figure
+    figure = Figure(figsize=(9.0, 8.0), layout="constrained")
+    grid = figure.subplots(len(found), 1, sharex=True)
+    for axes, f in zip(grid, found, strict=True):
+        late = f.decay.sel(time=slice(DWELL, None))
+        time = late.time.values - DWELL
+        axes.plot(time, late / abs(late).max(), color=BLUE, lw=0.8)
+        envelope = np.exp(-2 * pi * f.frequency * f.damping * time)
+        for sign in (1, -1):
+            axes.plot(time, sign * envelope, color=RED, lw=0.9)
+        axes.set_title(f"{f.mode.name}: {f.frequency:.2f} Hz, damping {100 * f.damping:.2f} %")
+    grid[-1].set_xlabel("time after the shakers stop [s]")
+    figure.suptitle("Decay traces (report Figure 4-9)", ha="left", x=0.01)
+    return figure

@@ -15,16 +15,8 @@ from matplotlib.figure import Figure
 from fmus.truck.identify import Identification
 from fmus.truck.identify import identify as fit
 
-from ..errors import (
-    TracktrainError,
-    choices,
-)
-from ..plots import (
-    INK,
-    MUTED,
-    RED,
-    STYLE,
-)
+from ..errors import TracktrainError, choices
+from ..plots import INK, MUTED, RED, STYLE
 from .common.command import study_command
 from .common.outcome import Outcome
 
@@ -138,18 +130,18 @@ def _table(found: Identification, units: list[str]) -> pd.DataFrame:
     return pd.DataFrame(rows).set_index("parameter")
 
 
+@mpl.rc_context(STYLE)
 def _figure(
     strain: np.ndarray, force: np.ndarray, found: Identification, units: list[str]
 ) -> Figure:
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 4.2), layout="constrained")
-        loop, rest = figure.subplots(1, 2, width_ratios=(3, 2))
-        loop.plot(strain, force, ".", color=MUTED, markersize=2, label="measured")
-        loop.plot(strain, found.model, color=RED, linewidth=1.4, label="identified")
-        loop.set(xlabel=f"deflection [{units[0]}]", ylabel=f"force [{units[1]}]")
-        loop.legend(frameon=False)
-        loop.set_title("Loop and what was fitted to it")
-        rest.plot(strain, force - found.model, ".", color=INK, markersize=2)
-        rest.set(xlabel=f"deflection [{units[0]}]", ylabel=f"[{units[1]}]")
-        rest.set_title("What is left")
-        return figure
+    figure = Figure(figsize=(9.0, 4.2), layout="constrained")
+    loop, rest = figure.subplots(1, 2, width_ratios=(3, 2))
+    loop.plot(strain, force, ".", color=MUTED, markersize=2, label="measured")
+    loop.plot(strain, found.model, color=RED, linewidth=1.4, label="identified")
+    loop.set(xlabel=f"deflection [{units[0]}]", ylabel=f"force [{units[1]}]")
+    loop.legend(frameon=False)
+    loop.set_title("Loop and what was fitted to it")
+    rest.plot(strain, force - found.model, ".", color=INK, markersize=2)
+    rest.set(xlabel=f"deflection [{units[0]}]", ylabel=f"[{units[1]}]")
+    rest.set_title("What is left")
+    return figure

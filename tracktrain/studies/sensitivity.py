@@ -11,32 +11,11 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
-from ..car.linear import (
-    LinearCar,
-    Parameter,
-)
-from ..car.modes import (
-    SPEEDS,
-    Critical,
-    critical_speeds,
-    linear_car,
-    name_of,
-)
-from ..options.car import (
-    car_option,
-    friction_option,
-    speed_option,
-)
-from ..plots import (
-    BLUE,
-    INK,
-    RED,
-    STYLE,
-)
-from ..scales import (
-    FOOT,
-    MILE_PER_HOUR,
-)
+from ..car.linear import LinearCar, Parameter
+from ..car.modes import SPEEDS, Critical, critical_speeds, linear_car, name_of
+from ..options.car import car_option, friction_option, speed_option
+from ..plots import BLUE, INK, RED, STYLE
+from ..scales import FOOT, MILE_PER_HOUR
 from .common.command import study_command
 from .common.outcome import Outcome
 
@@ -170,17 +149,17 @@ def _difference(linear: LinearCar, parameter: Parameter, speed: float, root: com
     return float(ends[0] - ends[1]) / (2 * h)
 
 
+@mpl.rc_context(STYLE)
 def _figure(table: pd.DataFrame, title: str) -> Figure:
     """Ranked bars: what drives the hunting to the right, what calms it to the left."""
     top = table.head(BARS)[::-1]
     values = top["growth [1/s]"]
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 1.4 + 0.32 * len(top)), layout="constrained")
-        axes = figure.subplots()
-        colours = [RED if value > 0 else BLUE for value in values]
-        axes.barh([name.replace("_", " ") for name in top.index], values, color=colours)
-        axes.axvline(0.0, color=INK, lw=0.8)
-        axes.set_xlabel("change of the growth rate for +1 % of the parameter [1/s]")
-        axes.grid(axis="y", visible=False)
-        axes.set_title(title.replace("` (", "`\n("), fontsize=10)
-        return figure
+    figure = Figure(figsize=(9.0, 1.4 + 0.32 * len(top)), layout="constrained")
+    axes = figure.subplots()
+    colours = [RED if value > 0 else BLUE for value in values]
+    axes.barh([name.replace("_", " ") for name in top.index], values, color=colours)
+    axes.axvline(0.0, color=INK, lw=0.8)
+    axes.set_xlabel("change of the growth rate for +1 % of the parameter [1/s]")
+    axes.grid(axis="y", visible=False)
+    axes.set_title(title.replace("` (", "`\n("), fontsize=10)
+    return figure

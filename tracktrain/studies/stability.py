@@ -16,17 +16,10 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
-from orchestrator import (
-    System,
-    describe,
-    simulate,
-)
+from orchestrator import System, describe, simulate
 
 from ..car.changes import swapped
-from ..car.hopper import (
-    hopper_car,
-    layout_of,
-)
+from ..car.hopper import hopper_car, layout_of
 from ..car.linear import LinearCar
 from ..car.modes import (
     CARBODY,
@@ -38,38 +31,16 @@ from ..car.modes import (
     linear_car,
     name_of,
 )
-from ..car.shapes import (
-    Line,
-    animate_mode,
-    draw_mode,
-    wire_frame,
-)
+from ..car.shapes import Line, animate_mode, draw_mode, wire_frame
 from ..errors import TracktrainError
-from ..options.car import (
-    car_option,
-    friction_option,
-    speed_option,
-    speeds_option,
-    swap_option,
-)
-from ..plots import (
-    MUTED,
-    RED,
-    STYLE,
-    conversion,
-)
-from ..scales import (
-    FOOT,
-    MILE_PER_HOUR,
-)
+from ..options.car import car_option, friction_option, speed_option, speeds_option, swap_option
+from ..plots import MUTED, RED, STYLE, conversion
+from ..scales import FOOT, MILE_PER_HOUR
 from ..terminal import Progress
 from .common.command import study_command
 from .common.outcome import Outcome
 from .common.rig import completed
-from .common.ringdown import (
-    Oscillation,
-    oscillation,
-)
+from .common.ringdown import Oscillation, oscillation
 
 DRAWN_SPEED = 60 * FOOT
 """Speed of the modes that are drawn [m/s]."""
@@ -281,30 +252,30 @@ def _dataset(branches: Sequence[Branch], speeds: np.ndarray, car: str, friction:
     return xr.Dataset(data, {"speed": axis}, {"car": car, "friction": friction})
 
 
+@mpl.rc_context(STYLE)
 def _figure(branches: Sequence[Branch], speeds: np.ndarray, friction: str) -> Figure:
     """Damping ratio and frequency of the slow modes against speed."""
     slow = [b for b in branches if b.frequency.mean() < 12.0]
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 7.6), layout="constrained")
-        damping, frequency = figure.subplots(2, 1, sharex=True)
-        colours = mpl.colormaps["tab10"]
-        damping.axhline(0.0, color=RED, lw=0.9)
-        for number, branch in enumerate(slow):
-            label = f"{branch.name} ({branch.frequency.mean():.1f} Hz)"
-            damping.plot(speeds / FOOT, branch.damping, color=colours(number % 10), label=label)
-            frequency.plot(speeds / FOOT, branch.frequency, color=colours(number % 10))
-        damping.set_ylabel("damping ratio")
-        damping.set_title(f"Modes of the linearised car, friction {friction} (report Figure 7-14)")
-        damping.legend(frameon=False, fontsize=8, ncols=2)
-        damping.annotate(
-            "unstable below", (0.0, 0.0), (4, -3), xycoords=("axes fraction", "data"),
-            textcoords="offset points", va="top", color=RED, fontsize=8,
-        )  # fmt: skip
-        frequency.set(xlabel="speed [ft/s]", ylabel="frequency [Hz]")
-        top = damping.secondary_xaxis("top", functions=conversion(FOOT / MILE_PER_HOUR))
-        top.tick_params(labelsize=8, colors=MUTED)
-        top.set_xlabel("[mph]", color=MUTED)
-        return figure
+    figure = Figure(figsize=(9.0, 7.6), layout="constrained")
+    damping, frequency = figure.subplots(2, 1, sharex=True)
+    colours = mpl.colormaps["tab10"]
+    damping.axhline(0.0, color=RED, lw=0.9)
+    for number, branch in enumerate(slow):
+        label = f"{branch.name} ({branch.frequency.mean():.1f} Hz)"
+        damping.plot(speeds / FOOT, branch.damping, color=colours(number % 10), label=label)
+        frequency.plot(speeds / FOOT, branch.frequency, color=colours(number % 10))
+    damping.set_ylabel("damping ratio")
+    damping.set_title(f"Modes of the linearised car, friction {friction} (report Figure 7-14)")
+    damping.legend(frameon=False, fontsize=8, ncols=2)
+    damping.annotate(
+        "unstable below", (0.0, 0.0), (4, -3), xycoords=("axes fraction", "data"),
+        textcoords="offset points", va="top", color=RED, fontsize=8,
+    )  # fmt: skip
+    frequency.set(xlabel="speed [ft/s]", ylabel="frequency [Hz]")
+    top = damping.secondary_xaxis("top", functions=conversion(FOOT / MILE_PER_HOUR))
+    top.tick_params(labelsize=8, colors=MUTED)
+    top.set_xlabel("[mph]", color=MUTED)
+    return figure
 
 
 def _notes(

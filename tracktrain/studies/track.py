@@ -7,14 +7,10 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fmus.track import realisation
-from fmus.track.irregularity import (
-    LINES,
-    SPACING,
-)
+from fmus.track.irregularity import LINES, SPACING
 from fmus.track.spectra import (
     CHANNELS,
     SPECTRA,
@@ -24,33 +20,13 @@ from fmus.track.spectra import (
     density,
     grid_spacing,
 )
-from orchestrator import (
-    Component,
-    System,
-    simulate,
-)
+from orchestrator import Component, System, simulate
 
-from ..car.hopper import (
-    HOPPER,
-    hopper_car,
-    parameters_of,
-)
-from ..options.car import (
-    seed_option,
-    track_option,
-)
+from ..car.hopper import HOPPER, hopper_car, parameters_of
+from ..options.car import seed_option, track_option
 from ..options.types import Quantity
-from ..plots import (
-    BLUE,
-    INK,
-    MUTED,
-    STYLE,
-    conversion,
-)
-from ..scales import (
-    DISPLACEMENT,
-    FOOT,
-)
+from ..plots import BLUE, INK, MUTED, STYLE, column, conversion
+from ..scales import DISPLACEMENT, FOOT
 from .common.command import study_command
 from .common.outcome import Outcome
 
@@ -183,7 +159,7 @@ def _table(
 @mpl.rc_context(STYLE)
 def _histogram_figure(rails: xr.Dataset, channels: list[str]) -> Figure:
     """Distribution of each channel beside the normal one of the same mean and deviation."""
-    figure, axes = _axes(channels, 2.6)
+    figure, axes = column(len(channels), 2.6, room=0.8)
     for ax, name in zip(axes, channels, strict=True):
         values = 1e3 * rails[name].values
         if np.any(values):
@@ -203,7 +179,7 @@ def _spectrum_figure(
     spectrum: xr.Dataset, target: xr.Dataset, channels: list[str], band: tuple[float, float]
 ) -> Figure:
     """Welch's estimate of each channel's density beside its target."""
-    figure, axes = _axes(channels, 3.0)
+    figure, axes = column(len(channels), 3.0, room=0.8)
     inside = (spectrum.frequency >= 0.5 * band[0]) & (spectrum.frequency <= 1.2 * band[1])
     for ax, name in zip(axes, channels, strict=True):
         near = spectrum[name].where(inside, drop=True)
@@ -224,7 +200,7 @@ def _spectrum_figure(
 @mpl.rc_context(STYLE)
 def _realisation_figure(rails: xr.Dataset, channels: list[str]) -> Figure:
     """Each channel along the track, its first 1000 m at most."""
-    figure, axes = _axes(channels, 1.8)
+    figure, axes = column(len(channels), 1.8, room=0.8)
     part = rails.sel(station=slice(0.0, 1000.0))
     for ax, name in zip(axes, channels, strict=True):
         ax.axhline(0.0, color=MUTED, linewidth=0.8)
@@ -234,8 +210,3 @@ def _realisation_figure(rails: xr.Dataset, channels: list[str]) -> Figure:
     axes[0].set_title("Irregularity along the track (report Figure 5-5)")
     axes[-1].set_xlabel("station [m]")
     return figure
-
-
-def _axes(channels: list[str], height: float) -> tuple[Figure, list[Axes]]:
-    figure = Figure(figsize=(9.0, 0.8 + height * len(channels)), layout="constrained")
-    return figure, list(figure.subplots(len(channels), sharex=True, squeeze=False)[:, 0])

@@ -20,33 +20,14 @@ from fmus.truck.ports import ELEMENTS
 from orchestrator import InlineModel
 
 from ..car.hopper import parameters_of
-from ..options.car import (
-    car_option,
-    fmu_option,
-)
+from ..options.car import car_option, fmu_option
 from ..options.types import Name
-from ..plots import (
-    BLUE,
-    GREEN,
-    PURPLE,
-    RED,
-    STYLE,
-    conversion,
-)
-from ..scales import (
-    INCH,
-    POUND_FORCE,
-)
+from ..plots import BLUE, GREEN, PURPLE, RED, STYLE, conversion
+from ..scales import INCH, POUND_FORCE
 from ..terminal import Progress
 from .common.command import study_command
 from .common.outcome import Outcome
-from .common.rig import (
-    Signals,
-    completed,
-    rig,
-    run_on_rig,
-    under_test,
-)
+from .common.rig import Signals, completed, rig, run_on_rig, under_test
 
 LOADS = (20.0, 50.0, 100.0)
 """Vertical loads on the bolster [kip], report section 4.2.4."""
@@ -348,34 +329,32 @@ def _csv(cycles: Sequence[Cycle]) -> Iterator[tuple[str, bytes]]:
         yield name, table.to_csv(index=False, float_format="%.9g").encode()
 
 
+@mpl.rc_context(STYLE)
 def _figure(cycles: Sequence[Cycle]) -> Figure:
     """Loops of all elements, by load, with the report's units on the far axes."""
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(10.0, 6.8), layout="constrained")
-        grid = figure.subplots(2, 3).ravel()
-        colours = dict(
-            zip(sorted({c.load for c in cycles}), (GREEN, PURPLE, RED, BLUE), strict=False)
-        )
-        for element, (axes, (name, unit)) in enumerate(zip(grid, ELEMENTS.items(), strict=True), 1):
-            for c in (c for c in cycles if c.element == element):
-                closed = [np.append(v, v[0]) for v in (c.strain, c.force)]
-                axes.plot(
-                    1e3 * (closed[0] - (closed[0].max() + closed[0].min()) / 2),
-                    1e-3 * (closed[1] - (closed[1].max() + closed[1].min()) / 2),
-                    color=colours.get(c.load, BLUE),
-                    linestyle="-" if c.period == min(x.period for x in cycles) else (0, (4, 3)),
-                    label=f"{c.load:g} kip, {c.period:g} s",
-                )
-            axes.set_title(f"{element} {name.replace('_', ' ')}")
-            kind = ("mm", "kN", 1e-3 / INCH, "in", 1e3 / POUND_FORCE, "lb")
-            if unit == "rad":
-                kind = ("mrad", "kN.m", 1e-3, "rad", 1e3 / POUND_FORCE / INCH, "lb.in")
-            axes.set_xlabel(f"deflection [{kind[0]}]")
-            axes.set_ylabel(f"force [{kind[1]}]")
-            axes.secondary_yaxis("right", functions=conversion(kind[4])).set_ylabel(f"[{kind[5]}]")
-        grid[0].legend(frameon=False, fontsize=7)
-        figure.suptitle("Truck hysteresis (report Figure 4-20)", ha="left", x=0.01)
-        return figure
+    figure = Figure(figsize=(10.0, 6.8), layout="constrained")
+    grid = figure.subplots(2, 3).ravel()
+    colours = dict(zip(sorted({c.load for c in cycles}), (GREEN, PURPLE, RED, BLUE), strict=False))
+    for element, (axes, (name, unit)) in enumerate(zip(grid, ELEMENTS.items(), strict=True), 1):
+        for c in (c for c in cycles if c.element == element):
+            closed = [np.append(v, v[0]) for v in (c.strain, c.force)]
+            axes.plot(
+                1e3 * (closed[0] - (closed[0].max() + closed[0].min()) / 2),
+                1e-3 * (closed[1] - (closed[1].max() + closed[1].min()) / 2),
+                color=colours.get(c.load, BLUE),
+                linestyle="-" if c.period == min(x.period for x in cycles) else (0, (4, 3)),
+                label=f"{c.load:g} kip, {c.period:g} s",
+            )
+        axes.set_title(f"{element} {name.replace('_', ' ')}")
+        kind = ("mm", "kN", 1e-3 / INCH, "in", 1e3 / POUND_FORCE, "lb")
+        if unit == "rad":
+            kind = ("mrad", "kN.m", 1e-3, "rad", 1e3 / POUND_FORCE / INCH, "lb.in")
+        axes.set_xlabel(f"deflection [{kind[0]}]")
+        axes.set_ylabel(f"force [{kind[1]}]")
+        axes.secondary_yaxis("right", functions=conversion(kind[4])).set_ylabel(f"[{kind[5]}]")
+    grid[0].legend(frameon=False, fontsize=7)
+    figure.suptitle("Truck hysteresis (report Figure 4-20)", ha="left", x=0.01)
+    return figure
 
 
 def _notes(wedge_law: str) -> list[str]:

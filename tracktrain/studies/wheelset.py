@@ -18,39 +18,16 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 from fmus.wheelrail.wheelset import Restraint, klingel_wavelength
-from orchestrator import (
-    Component,
-    Connection,
-    InlineModel,
-    Run,
-    System,
-    Tangent,
-    Value,
-    simulate,
-)
+from orchestrator import Component, Connection, InlineModel, Run, System, Tangent, Value, simulate
 
 from ..car.hopper import parameters_of
-from ..options.car import (
-    car_option,
-    fmu_option,
-)
-from ..plots import (
-    BLUE,
-    MUTED,
-    RED,
-    STYLE,
-)
+from ..options.car import car_option, fmu_option
+from ..plots import BLUE, MUTED, RED, STYLE
 from ..scales import FOOT
 from .common.command import study_command
 from .common.outcome import Outcome
-from .common.rig import (
-    completed,
-    under_test,
-)
-from .common.ringdown import (
-    Oscillation,
-    oscillation,
-)
+from .common.rig import completed, under_test
+from .common.ringdown import Oscillation, oscillation
 
 LATERAL_STIFFNESS, YAW_STIFFNESS = 2e6, 2e6
 """Of the springs to the ground [N/m, N.m/rad]; assumed, those of a published closed-form case."""
@@ -324,34 +301,34 @@ def _criticals(
     return pd.DataFrame.from_dict(ways, orient="index", columns=columns).rename_axis("by")
 
 
+@mpl.rc_context(STYLE)
 def _path_figure(paths: Mapping[str, Run], formula: Mapping[str, float]) -> Figure:
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 4.4), layout="constrained")
-        grid = figure.subplots(2, 1, sharex=True)
-        for axes, (name, run), colour in zip(grid, paths.items(), (BLUE, RED), strict=True):
-            y = run.dataset["rig.axle[1].y"]
-            axes.plot(SLOW * y.time, 1e3 * y, color=colour)
-            for wave in np.arange(formula[name], float(SLOW * y.time[-1]), formula[name]):
-                axes.axvline(wave, color=MUTED, lw=0.8, ls=(0, (4, 3)))
-            axes.set_title(f"{name}; dashed: Klingel's wave of {formula[name]:.2f} m")
-            axes.set_ylabel("lateral [mm]")
-        grid[-1].set_xlabel("distance [m]")
-        return figure
+    figure = Figure(figsize=(9.0, 4.4), layout="constrained")
+    grid = figure.subplots(2, 1, sharex=True)
+    for axes, (name, run), colour in zip(grid, paths.items(), (BLUE, RED), strict=True):
+        y = run.dataset["rig.axle[1].y"]
+        axes.plot(SLOW * y.time, 1e3 * y, color=colour)
+        for wave in np.arange(formula[name], float(SLOW * y.time[-1]), formula[name]):
+            axes.axvline(wave, color=MUTED, lw=0.8, ls=(0, (4, 3)))
+        axes.set_title(f"{name}; dashed: Klingel's wave of {formula[name]:.2f} m")
+        axes.set_ylabel("lateral [mm]")
+    grid[-1].set_xlabel("distance [m]")
+    return figure
 
 
+@mpl.rc_context(STYLE)
 def _growth_figure(
     curve: Sequence[np.ndarray], restraint: Restraint, values: Values, exact: float
 ) -> Figure:
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 3.2), layout="constrained")
-        axes = figure.subplots()
-        speeds = np.linspace(curve[0].min(), curve[0].max(), 60)
-        roots = [restraint.roots(values, speed).real.max() for speed in speeds]
-        axes.axhline(0.0, color=MUTED, lw=0.8)
-        axes.plot(speeds, roots, color=BLUE, label="eigenvalues of the block")
-        axes.plot(*curve, "o", color=RED, markersize=4, label="runs of the FMU")
-        axes.axvline(exact, color=MUTED, ls=(0, (4, 3)), label=f"closed form, {exact:.2f} m/s")
-        axes.set(xlabel="speed [m/s]", ylabel="growth [1/s]")
-        axes.set_title("Restrained wheelset: growth of its oscillation")
-        axes.legend(frameon=False)
-        return figure
+    figure = Figure(figsize=(9.0, 3.2), layout="constrained")
+    axes = figure.subplots()
+    speeds = np.linspace(curve[0].min(), curve[0].max(), 60)
+    roots = [restraint.roots(values, speed).real.max() for speed in speeds]
+    axes.axhline(0.0, color=MUTED, lw=0.8)
+    axes.plot(speeds, roots, color=BLUE, label="eigenvalues of the block")
+    axes.plot(*curve, "o", color=RED, markersize=4, label="runs of the FMU")
+    axes.axvline(exact, color=MUTED, ls=(0, (4, 3)), label=f"closed form, {exact:.2f} m/s")
+    axes.set(xlabel="speed [m/s]", ylabel="growth [1/s]")
+    axes.set_title("Restrained wheelset: growth of its oscillation")
+    axes.legend(frameon=False)
+    return figure

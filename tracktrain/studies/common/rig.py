@@ -5,15 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from orchestrator import (
-    Component,
-    Connection,
-    InlineModel,
-    Run,
-    System,
-    Value,
-    simulate,
-)
+from orchestrator import Component, Connection, InlineModel, Run, System, Value, simulate
 
 from ...car.changes import swapped
 from ...car.hopper import hopper_car, vehicle

@@ -11,11 +11,7 @@ import xarray as xr
 from fmus.truck.ports import ELEMENTS
 
 from ...car.hopper import layout_of
-from ...car.layout import (
-    Axle,
-    Layout,
-    Truck,
-)
+from ...car.layout import Axle, Layout, Truck
 
 Array = np.ndarray
 Values = Mapping[str, Mapping[str, float]]

@@ -12,27 +12,9 @@ from matplotlib.figure import Figure
 
 from ...car.hopper import layout_of
 from ...car.layout import Layout
-from ...plots import (
-    BLUE,
-    GREEN,
-    MUTED,
-    PURPLE,
-    RED,
-    STYLE,
-    conversion,
-    envelope,
-)
-from ...scales import (
-    ANGLE,
-    DISPLACEMENT,
-    FOOT,
-    MILE_PER_HOUR,
-    Scale,
-)
-from .runs import (
-    Plateau,
-    Transient,
-)
+from ...plots import BLUE, GREEN, MUTED, PURPLE, RED, STYLE, conversion, envelope
+from ...scales import ANGLE, DISPLACEMENT, FOOT, MILE_PER_HOUR, Scale
+from .runs import Plateau, Transient
 
 MODAL = Scale("kg½ m", 1.0)
 

@@ -20,24 +20,12 @@ from orchestrator import (
 )
 
 from ...car.changes import displaced
-from ...car.hopper import (
-    hopper_car,
-    layout_of,
-    parameters_of,
-)
+from ...car.hopper import hopper_car, layout_of, parameters_of
 from ...car.linear import LinearCar
 from ...scales import FOOT
 from ..common.rig import completed
-from ..common.ringdown import (
-    Oscillation,
-    oscillation,
-)
-from .cycle import (
-    Cycle,
-    limit_cycle,
-    needed,
-    observed,
-)
+from ..common.ringdown import Oscillation, oscillation
+from .cycle import Cycle, limit_cycle, needed, observed
 
 WINDOW = 5.0
 """Time over which an amplitude is taken, half the distance between the extremes [s]."""

@@ -12,38 +12,15 @@ from orchestrator import Session
 
 from ...car.linear import LinearCar
 from ...car.modes import critical_speeds
-from ...options.car import (
-    REPORT_SPEEDS,
-    SPEED_UNITS,
-    car_option,
-    duration_option,
-    speeds_option,
-)
+from ...options.car import REPORT_SPEEDS, SPEED_UNITS, car_option, duration_option, speeds_option
 from ...options.types import Quantity
 from ...scales import FOOT
 from ...terminal import Progress
 from ..common.command import study_command
 from ..common.outcome import Outcome
-from .pictures import (
-    coordinates_figure,
-    elements_figure,
-    staircase_figure,
-)
-from .runs import (
-    Plateau,
-    Transient,
-    bisected,
-    driven,
-    on_perfect_track,
-    transient,
-)
-from .tables import (
-    critical_table,
-    cycles_table,
-    elements_table,
-    energy_table,
-    staircase_table,
-)
+from .pictures import coordinates_figure, elements_figure, staircase_figure
+from .runs import Plateau, Transient, bisected, driven, on_perfect_track, transient
+from .tables import critical_table, cycles_table, elements_table, energy_table, staircase_table
 
 SPEEDS = (60 * FOOT, 80 * FOOT, 100 * FOOT)
 """The report's three speeds [m/s]."""

@@ -7,16 +7,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import pandas as pd
 
-from ...scales import (
-    FOOT,
-    MILE_PER_HOUR,
-)
-from .runs import (
-    LARGE,
-    WINDOW,
-    Plateau,
-    Transient,
-)
+from ...scales import FOOT, MILE_PER_HOUR
+from .runs import LARGE, WINDOW, Plateau, Transient
 
 WATCHED = (25.0, 50.0, 100.0, 150.0)
 """Watching times whose influence on the critical speed is told [s]."""

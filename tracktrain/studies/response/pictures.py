@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...car.layout import Shown
@@ -18,14 +17,12 @@ from ...plots import (
     PURPLE,
     RED,
     STYLE,
+    column,
     conversion,
     plot_displacement,
     plot_lateral_force,
 )
-from ...scales import (
-    FOOT,
-    MILE_PER_HOUR,
-)
+from ...scales import FOOT, MILE_PER_HOUR
 
 COLOURS = (BLUE, GREEN, RED, PURPLE)
 LOWEST = 0.25
@@ -54,7 +51,7 @@ def spectra_figure(
 ) -> Figure:
     """Densities of the responses by speed: the median, and the band between the outer shares."""
     shown = _moving(data, responses)
-    figure, grid = _column(len(shown), 2.3)
+    figure, grid = column(len(shown), 2.3)
     for axes, name in zip(grid, shown, strict=True):
         scale = responses[name].scale
         part = data[f"{name}_density"].sel(frequency=slice(LOWEST, None)) * scale.factor**2
@@ -103,7 +100,7 @@ def envelope_figure(
 ) -> Figure:
     """Rms and peak against speed: each realisation, the median, and the outer shares."""
     shown = _moving(data, responses)
-    figure, grid = _column(len(shown), 1.9)
+    figure, grid = column(len(shown), 1.9)
     speeds = data.speed.values / FOOT
     for axes, name in zip(grid, shown, strict=True):
         scale = responses[name].scale
@@ -144,8 +141,3 @@ def _colours(data: xr.Dataset) -> list[str]:
 
 def _said(speed: float) -> str:
     return f"{speed / FOOT:.0f} ft/s"
-
-
-def _column(count: int, height: float) -> tuple[Figure, list[Axes]]:
-    figure = Figure(figsize=(9.0, 0.9 + height * count), layout="constrained")
-    return figure, list(figure.subplots(count, sharex=True, squeeze=False)[:, 0])

@@ -11,26 +11,11 @@ import pandas as pd
 import xarray as xr
 from scipy import signal
 
-from orchestrator import (
-    Run,
-    Session,
-    System,
-    dominant_frequency,
-    peak,
-    rms,
-    simulate,
-)
+from orchestrator import Run, Session, System, dominant_frequency, peak, rms, simulate
 
 from ...car.changes import assigned
-from ...car.hopper import (
-    hopper_car,
-    layout_of,
-    vehicle,
-)
-from ...car.layout import (
-    Layout,
-    Shown,
-)
+from ...car.hopper import hopper_car, layout_of, vehicle
+from ...car.layout import Layout, Shown
 from ...options.car import (
     REPORT_SPEEDS,
     car_option,
@@ -40,22 +25,12 @@ from ...options.car import (
     track_option,
 )
 from ...options.chosen import Assigned
-from ...scales import (
-    ANGLE,
-    FOOT,
-    MILE_PER_HOUR,
-    Scale,
-)
+from ...scales import ANGLE, FOOT, MILE_PER_HOUR, Scale
 from ...terminal import Progress
 from ..common.command import study_command
 from ..common.outcome import Outcome
 from ..common.rig import completed
-from .pictures import (
-    envelope_figure,
-    history_figures,
-    spectra_figure,
-    transfer_figure,
-)
+from .pictures import envelope_figure, history_figures, spectra_figure, transfer_figure
 
 SPEEDS = (60 * FOOT, 80 * FOOT, 100 * FOOT)
 """The report's three speeds [m/s]."""
