@@ -7,8 +7,7 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 
-from orchestrator import Run
-from orchestrator.results.netcdf import NAME
+from orchestrator import RESULTS_NAME, Run
 
 from .car.hopper import layout_of
 from .errors import TracktrainError
@@ -18,10 +17,11 @@ BONDS = "bonds.csv"
 
 def opened(folder: Path) -> xr.Dataset:
     """The dataset in a run's folder, read as it is used; TracktrainError where there is none."""
-    path = folder / NAME
+    path = folder / RESULTS_NAME
     if not path.is_file():
         raise TracktrainError(
-            f"there is no {NAME} in '{folder}'; name the folder that `tracktrain run --out` wrote"
+            f"there is no {RESULTS_NAME} in '{folder}'; name the folder that "
+            "`tracktrain run --out` wrote"
         )
     try:
         return xr.open_dataset(path, engine="netcdf4", cache=False)

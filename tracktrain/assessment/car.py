@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from functools import cached_property
 
@@ -11,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy import signal
 
-from orchestrator import dominant_frequency
+from orchestrator import Provenance, dominant_frequency
 
 from ..car.hopper import layout_of
 from ..car.layout import Axle, Truck
@@ -34,7 +33,7 @@ class Car:
         if len(self.time) < 2:
             raise NotApplicableError("the run has no more than one row")
         self.rate = (len(self.time) - 1) / float(self.time[-1] - self.time[0])
-        self._parameters = json.loads(dataset.attrs.get("parameters", "{}"))
+        self._parameters = Provenance.of(dataset).parameters
 
     def __getitem__(self, name: str) -> Array:
         if name not in self._dataset:

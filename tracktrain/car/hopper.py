@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -114,10 +113,12 @@ def layout_of(subject: System | xr.Dataset) -> Layout:
     the instances are told by what they give; then they must stand in the order of `HOPPER`.
     `HOPPER` where nothing says otherwise.
     """
+    from orchestrator import Provenance  # which is not light enough for a command's help
+
     if isinstance(subject, System):
         names = [*subject.components, *(connection.source for connection in subject.connections)]
     else:
-        names = [*json.loads(subject.attrs.get("fmus", "{}")), *map(str, subject.data_vars)]
+        names = [*Provenance.of(subject).fmus, *map(str, subject.data_vars)]
     outputs: dict[str, set[str]] = {}
     for name in names:
         instance, _, output = name.partition(".")

@@ -97,7 +97,7 @@ class Assignment(click.ParamType):
         named = "." in self.example.partition("=")[0]
         if not equals or not right.strip() or (named and not name) or (dot and not named):
             self.fail(f"'{value}' cannot be read; write it as {self.example}", param, ctx)
-        run = ctx is not None and ctx.command.name == "run"
+        run = ctx is not None and ctx.info_name == "run"
         from_file = run and ctx is not None and isinstance(ctx.params.get("file"), Path)
         if instance not in self.instances() and not from_file:
             self.fail(

@@ -16,6 +16,8 @@ import xarray as xr
 from jinja2 import Environment, PackageLoader
 from plotly.offline import get_plotlyjs
 
+from orchestrator import Provenance
+
 from ..assessment import assess
 from ..errors import TracktrainError
 from . import content, motion, series
@@ -42,7 +44,7 @@ def page(dataset: xr.Dataset, bonds: pd.DataFrame | None = None) -> str:
     if dataset.sizes.get("time", 0) < 2 or not dataset.data_vars:
         raise TracktrainError("the run has no two rows of any signal; there is nothing to report")
     index, blob, width = _data(dataset)
-    table = assess(dataset)
+    table, provenance = assess(dataset), Provenance.of(dataset)
     environment = Environment(
         loader=PackageLoader(__name__, "page"), autoescape=True, trim_blocks=True
     )
@@ -52,8 +54,8 @@ def page(dataset: xr.Dataset, bonds: pd.DataFrame | None = None) -> str:
         facts=content.facts(dataset, table, bonds),
         parameters=content.parameters(dataset),
         fmus=content.fmus(dataset),
-        notes=content.texts(dataset, "notes"),
-        versions=content.versions(dataset),
+        notes=provenance.notes,
+        versions=provenance.versions,
         assessment=table.reset_index().to_dict("records"),
         bonds=None if bonds is None else bonds.reset_index().to_dict("records"),
         rows=dataset.sizes["time"],

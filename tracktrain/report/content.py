@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -14,6 +12,7 @@ import xarray as xr
 
 from fmus import BLOCKS
 from fmus.describe.parameters import PARAMETER_SETS, Entry, parameter_set
+from orchestrator import Provenance
 
 from ..assessment import EXCEEDED, PASSED
 from ..car.hopper import layout_of
@@ -33,8 +32,9 @@ class Fact:
 
 def title(dataset: xr.Dataset) -> str:
     """What was run, in a line."""
-    if not layout_of(dataset).blocks.keys() <= _fmus(dataset).keys():
-        return f"Run of {len(_fmus(dataset))} FMUs"
+    fmus = Provenance.of(dataset).fmus
+    if not layout_of(dataset).blocks.keys() <= fmus.keys():
+        return f"Run of {len(fmus)} FMUs"
     return "Hopper car on irregular track" if _moves(dataset) else "Hopper car on perfect track"
 
 
@@ -78,10 +78,9 @@ def facts(dataset: xr.Dataset, table: pd.DataFrame, bonds: pd.DataFrame | None) 
 
 def parameters(dataset: xr.Dataset) -> list[dict[str, Any]]:
     """Instance, name, value [SI], and of numbers out of the parameter files unit, basis, source."""
-    given: Mapping[str, Any] = json.loads(dataset.attrs.get("parameters", "{}"))
     blocks = layout_of(dataset).blocks
     rows = []
-    for full, value in given.items():
+    for full, value in Provenance.of(dataset).parameters.items():
         instance, _, name = full.partition(".")
         entry, changed = _entry(blocks.get(instance), name, value)
         rows.append(
@@ -101,22 +100,8 @@ def fmus(dataset: xr.Dataset) -> list[tuple[str, str, str]]:
     """Instance, file and sha256 of every FMU."""
     return [
         (name, str(given.get("file", "")), str(given.get("sha256", "")))
-        for name, given in _fmus(dataset).items()
+        for name, given in Provenance.of(dataset).fmus.items()
     ]
-
-
-def texts(dataset: xr.Dataset, attribute: str) -> list[str]:
-    """The lines of an attribute that holds a list."""
-    return [str(line) for line in json.loads(dataset.attrs.get(attribute, "[]"))]
-
-
-def versions(dataset: xr.Dataset) -> Mapping[str, str]:
-    return {k: str(v) for k, v in json.loads(dataset.attrs.get("versions", "{}")).items()}
-
-
-def _fmus(dataset: xr.Dataset) -> Mapping[str, Any]:
-    found: Mapping[str, Any] = json.loads(dataset.attrs.get("fmus", "{}"))
-    return found
 
 
 def _moves(dataset: xr.Dataset) -> bool:

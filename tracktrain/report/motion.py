@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from math import pi
 from typing import Any
@@ -10,6 +9,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+
+from orchestrator import Provenance
 
 from ..car.hopper import layout_of
 from ..car.linear import LinearCar
@@ -98,9 +99,8 @@ def modes(dataset: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, Array]] 
 
 
 def _parameters(dataset: xr.Dataset, instance: str) -> Mapping[str, float]:
-    given = json.loads(dataset.attrs.get("parameters", "{}"))
     return {
         name.removeprefix(f"{instance}."): value
-        for name, value in given.items()
+        for name, value in Provenance.of(dataset).parameters.items()
         if name.startswith(f"{instance}.") and isinstance(value, (int, float))
     }

@@ -49,8 +49,8 @@ EVERY, TRANSIENT_EVERY = 5, 2
 LINEAR = 4e-3
 """Motion of the leading axle up to which friction sticks and no flange touches [m]."""
 
-ARRIVED = "all speeds were held"
-"""With which the driver ends the run."""
+DRIVER = "driver"
+"""The instance that sets the speed, and ends the run."""
 
 
 @dataclass(frozen=True)
@@ -141,12 +141,12 @@ def driven(
         components={
             **system.components,
             layout.track: replace(track, parameters=free),
-            "driver": driver,
+            DRIVER: driver,
         },
         connections=(
             *system.connections,
-            Connection("driver.speed", f"{layout.track}.speed"),
-            Connection(axle, "driver.y"),
+            Connection(f"{DRIVER}.speed", f"{layout.track}.speed"),
+            Connection(axle, f"{DRIVER}.y"),
         ),
     )
     way = float(np.abs(np.diff(speeds)).sum()) / RAMP
@@ -155,19 +155,19 @@ def driven(
         run = simulate(
             car,
             duration=duration,
-            record=[axle, "driver.plateau"],
+            record=[axle, f"{DRIVER}.plateau"],
             every=EVERY,
             out=folder,
             session=session,
         )
-        if ARRIVED not in (run.message or ""):
+        if run.outcome is None or run.outcome.instance != DRIVER:
             completed(run, f"the run through {len(speeds)} speeds")
         with run.dataset as dataset:
             return list(_plateaus(dataset, axle, speeds))
 
 
 def _plateaus(dataset: xr.Dataset, axle: str, speeds: Sequence[float]) -> Iterator[Plateau]:
-    place = dataset["driver.plateau"].values
+    place = dataset[f"{DRIVER}.plateau"].values
     time = dataset["time"].values
     for number, speed in enumerate(speeds):
         held = dataset[axle][place == number]
@@ -207,7 +207,7 @@ class _Drive:
         self.low, self.high = np.inf, -np.inf
         if done or self.held >= self.longest - step / 2:
             if self.place + 1 == len(self.speeds):
-                raise StopIteration(ARRIVED)
+                raise StopIteration("all speeds were held")
             self.place, self.held, self.first = self.place + 1, 0.0, 0.0
 
 
