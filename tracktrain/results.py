@@ -37,15 +37,7 @@ def mean_speed(dataset: xr.Dataset) -> float | None:
 
 def bond_table(run: Run) -> pd.DataFrame:
     """Energy through each bond of a run, and what its two sides saw differently [J]."""
-    rows = [
-        {
-            "bond": bond.name,
-            "passed [J]": bond.passed,
-            "residual [J]": bond.residual,
-            "residual over passed": bond.relative,
-        }
-        for bond in run.bonds
-    ]
+    rows = [(bond.name, bond.passed, bond.residual, bond.relative) for bond in run.bonds]
     columns = ["bond", "passed [J]", "residual [J]", "residual over passed"]
     return pd.DataFrame(rows, columns=columns).set_index("bond")
 

@@ -24,6 +24,10 @@ Progress = Callable[[float], None]
 """Called with the share that is done, from 0 to 1."""
 
 
+def unseen(share: float) -> None:
+    """The progress that nobody watches."""
+
+
 def writable(folder: Path) -> Path:
     """The folder, made if need be; TracktrainError where nothing can be written."""
     try:

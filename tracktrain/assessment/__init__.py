@@ -13,6 +13,7 @@ from .criteria import LIMITS, MEASURES
 from .rules import NotApplicableError, Rule, from_si, rules
 
 PASSED, EXCEEDED, NO_LIMIT = "passed", "exceeded", "no limit"
+NOTHING = {"place": "", "value": float("nan"), "limit": float("nan"), "share": float("nan")}
 
 
 def assess(dataset: xr.Dataset) -> pd.DataFrame:
@@ -33,8 +34,7 @@ def _row(car: Car | NotApplicableError, rule: Rule) -> dict[str, object]:
     try:
         found = _found(car, rule)
     except NotApplicableError as reason:
-        nothing = {"place": "", "value": float("nan"), "limit": float("nan")}
-        found = {**nothing, "share": float("nan"), "result": f"not applicable: {reason}"}
+        found = {**NOTHING, "result": f"not applicable: {reason}"}
     return {
         "quantity": rule.quantity,
         **found,
@@ -57,13 +57,7 @@ def _found(car: Car | NotApplicableError, rule: Rule) -> dict[str, object]:
     place, value = worst(MEASURES[rule.key](car, rule), key=lambda found: found[1])
     value = from_si(float(value), rule.unit)
     if not rule.judged:
-        return {
-            "place": place,
-            "value": value,
-            "limit": float("nan"),
-            "share": float("nan"),
-            "result": NO_LIMIT,
-        }
+        return {**NOTHING, "place": place, "value": value, "result": NO_LIMIT}
     limit = from_si(LIMITS[rule.key](car), rule.unit) if rule.limit is None else rule.limit
     share = (1 - value) / (1 - limit) if rule.at_least else value / limit
     result = PASSED if share <= 1.0 else EXCEEDED

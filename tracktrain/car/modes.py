@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import brentq, linear_sum_assignment
 
 from ..scales import FOOT
-from ..terminal import Progress
+from ..terminal import Progress, unseen
 from .linear import Array, Complex, LinearCar
 
 SPEEDS = (20.0, 140.0)
@@ -80,7 +80,7 @@ def name_of(linear: LinearCar, shape: Complex) -> str:
     return f"{first[0]} + {second[0]}" if second[1] >= SECOND else first[0]
 
 
-def follow(linear: LinearCar, speeds: Array, progress: Progress | None = None) -> list[Branch]:
+def follow(linear: LinearCar, speeds: Array, progress: Progress = unseen) -> list[Branch]:
     """The modes of all speeds [m/s], joined by likeness of shape and nearness of eigenvalue."""
     roots, shapes = linear.modes(speeds[0])
     paths = [([root], [shapes[:, i]]) for i, root in enumerate(roots)]
@@ -94,8 +94,7 @@ def follow(linear: LinearCar, speeds: Array, progress: Progress | None = None) -
         for line, column in zip(lines, columns, strict=True):
             paths[line][0].append(roots[column])
             paths[line][1].append(shapes[:, column])
-        if progress:
-            progress(number / len(speeds))
+        progress(number / len(speeds))
     whole = [path for path in paths if len(path[0]) == len(speeds)]
     middle = len(speeds) // 2
     return [

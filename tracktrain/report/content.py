@@ -57,22 +57,12 @@ def facts(dataset: xr.Dataset, table: pd.DataFrame, bonds: pd.DataFrame | None) 
     if len(judged):
         over = int((judged["result"] == EXCEEDED).sum())
         worst = judged["share"].idxmax()
-        found.append(
-            Fact(
-                "limits",
-                f"{over} exceeded" if over else f"all {len(judged)} kept",
-                f"most used: {worst}, {judged['share'].max():.0%}",
-                "bad" if over else "good",
-            )
-        )
+        said = f"{over} exceeded" if over else f"all {len(judged)} kept"
+        most = f"most used: {worst}, {judged['share'].max():.0%}"
+        found.append(Fact("limits", said, most, "bad" if over else "good"))
     if bonds is not None and len(bonds):
-        found.append(
-            Fact(
-                "energy residual",
-                f"{bonds['residual over passed'].max():.1e}",
-                "of the energy that passed, at most",
-            )
-        )
+        residual = f"{bonds['residual over passed'].max():.1e}"
+        found.append(Fact("energy residual", residual, "of the energy that passed, at most"))
     return found
 
 

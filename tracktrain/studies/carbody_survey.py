@@ -19,7 +19,7 @@ from orchestrator import Run, Value, vertex
 from ..car.hopper import parameters_of, vehicle
 from ..options.car import car_option, fmu_option
 from ..plots import BLUE, MUTED, RED, STYLE
-from ..terminal import Progress
+from ..terminal import Progress, unseen
 from .common.command import study_command
 from .common.outcome import Outcome
 from .common.rig import Signals, completed, rig, run_on_rig, under_test
@@ -51,11 +51,12 @@ Values = Mapping[str, float]
 class Mode:
     """A mode of the survey: which shakers, in which phase, and the accelerometer that is read.
 
-    parameter: the block's frequency, empty for a rigid mode on the air springs. table: Table 4-1's
-    frequency [Hz], loaded and empty.
+    place: among the block's modes. parameter: the block's frequency, empty for a rigid mode on the
+    air springs. table: Table 4-1's frequency [Hz], loaded and empty.
     """
 
     name: str
+    place: int
     force: str
     rear: float
     accelerometer: str
@@ -64,14 +65,14 @@ class Mode:
 
 
 MODES = (
-    Mode("bounce on air", "force_z", 1.0, "front.az", "", (2.15, None)),
-    Mode("roll on air", "moment_x", 1.0, "front.wx_dot", "", (3.30, 3.45)),
-    Mode("first torsion", "moment_x", -1.0, "front.wx_dot", "torsion_frequency", (6.30, 6.75)),
-    Mode("lateral bending", "force_y", 1.0, "front.ay", "lateral_bending_frequency", (8.85, 17.64)),
-    Mode(
-        "vertical bending", "force_z", 1.0, "front.az", "vertical_bending_frequency", (14.55, 29.57)
-    ),
-)
+    Mode("bounce on air", 1, "force_z", 1.0, "front.az", "", (2.15, None)),
+    Mode("roll on air", 2, "moment_x", 1.0, "front.wx_dot", "", (3.30, 3.45)),
+    Mode("first torsion", 5, "moment_x", -1.0, "front.wx_dot", "torsion_frequency", (6.30, 6.75)),
+    Mode("lateral bending", 6, "force_y", 1.0, "front.ay", "lateral_bending_frequency",
+         (8.85, 17.64)),
+    Mode("vertical bending", 7, "force_z", 1.0, "front.az", "vertical_bending_frequency",
+         (14.55, 29.57)),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -106,7 +107,7 @@ class Found:
 
 
 def carbody_survey(
-    car: str = "empty", fmu: Path | None = None, progress: Progress | None = None
+    car: str = "empty", fmu: Path | None = None, progress: Progress = unseen
 ) -> Outcome:
     """Find the carbody's modes as the report's modal survey did.
 
@@ -127,8 +128,7 @@ def carbody_survey(
         run = _run(place, given, springs, force, rear, _chirp, SWEEP + TAIL)
         transfer[force, rear] = _transfer(run.dataset, force)
         done += 1
-        if progress:
-            progress(done / jobs)
+        progress(done / jobs)
     found = []
     for mode in MODES:
         ratio = transfer[mode.force, mode.rear][mode.accelerometer]
@@ -140,8 +140,7 @@ def carbody_survey(
         both = _shape_squared(ratio, frequency, damping)  # two shakers push on the mode alike
         found.append(Found(mode, frequency, damping, sqrt(abs(both) / 2), trace))
         done += 1
-        if progress:
-            progress(done / jobs)
+        progress(done / jobs)
     return Outcome(
         title=f"Modal survey of the carbody on air springs, {car}",
         dataset=_dataset(transfer, found, car),
@@ -253,7 +252,7 @@ def _on_air(mode: Mode, values: Values, springs: AirSprings) -> float:
         shapes = mode_shapes(values, sign)
         stiffness += shapes.T @ at_end @ shapes
     squared, vectors = np.linalg.eigh(stiffness)
-    most = int(np.abs(vectors[_COLUMN[mode.name]]).argmax())
+    most = int(np.abs(vectors[mode.place]).argmax())
     return float(sqrt(squared[most]) / (2 * pi))
 
 
@@ -262,16 +261,6 @@ def _air_squared(shape: float, mode: Mode, springs: AirSprings) -> float:
     motion = {"force_z": "z", "moment_x": "roll"}.get(mode.force)
     stiffness = springs.stiffness[motion] if motion else 0.0
     return 2 * stiffness * shape**2 / (2 * pi) ** 2
-
-
-_COLUMN = {
-    "bounce on air": 1,
-    "roll on air": 2,
-    "first torsion": 5,
-    "lateral bending": 6,
-    "vertical bending": 7,
-}
-"""Place of each mode among the block's."""
 
 
 def _shape_squared(ratio: xr.DataArray, frequency: float, damping: float) -> float:
@@ -347,15 +336,10 @@ def _transfer_figure(
         for f in own:
             axes.axvline(f.frequency, color=RED, lw=0.8, ls=(0, (4, 3)))
             axes.annotate(
-                f"{f.mode.name}\n{f.frequency:.2f} Hz",
-                (f.frequency, 1.0),
-                (4, -3),
-                xycoords=("data", "axes fraction"),
-                textcoords="offset points",
-                color=RED,
-                va="top",
+                f"{f.mode.name}\n{f.frequency:.2f} Hz", (f.frequency, 1.0), (4, -3),
+                xycoords=("data", "axes fraction"), textcoords="offset points", color=RED, va="top",
                 fontsize=8,
-            )
+            )  # fmt: skip
         axes.set_ylabel(f"{own[0].mode.accelerometer}\nover {vector[0]} [1e-6/kg(.m2)]")
         axes.set_title(f"{vector[0]}, rear {'in' if vector[1] > 0 else 'against'} phase")
     grid[0].legend(frameon=False, loc="upper left")

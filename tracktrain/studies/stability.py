@@ -36,7 +36,7 @@ from ..errors import TracktrainError
 from ..options.car import car_option, friction_option, speed_option, speeds_option, swap_option
 from ..plots import MUTED, RED, STYLE, conversion
 from ..scales import FOOT, MILE_PER_HOUR
-from ..terminal import Progress
+from ..terminal import Progress, unseen
 from .common.command import study_command
 from .common.outcome import Outcome
 from .common.rig import completed
@@ -68,7 +68,7 @@ def stability(
     drawn_speed: float = DRAWN_SPEED,
     ring_down: RingDown = RingDown(),
     animate: bool = True,
-    progress: Progress | None = None,
+    progress: Progress = unseen,
 ) -> Outcome:
     """Damping ratio and frequency of the car's modes against speed, and its critical speed.
 
@@ -176,13 +176,7 @@ def _modes_table(linear: LinearCar, speed: float) -> pd.DataFrame:
 
 def _critical_table(critical: Sequence[Critical]) -> pd.DataFrame:
     rows = [
-        {
-            "mode": name,
-            "critical speed [m/s]": speed,
-            "[ft/s]": speed / FOOT,
-            "[mph]": speed / MILE_PER_HOUR,
-            "frequency [Hz]": root.imag / (2 * pi),
-        }
+        (name, speed, speed / FOOT, speed / MILE_PER_HOUR, root.imag / (2 * pi))
         for speed, root, name in critical
     ]
     columns = ["mode", "critical speed [m/s]", "[ft/s]", "[mph]", "frequency [Hz]"]
@@ -205,16 +199,11 @@ def _ring_down_table(
         roots, _ = linear.modes(speed)
         own = complex(found.growth, 2 * pi * found.frequency)
         exact = roots[np.abs(roots - own).argmin()]
-        rows.append(
-            {
-                "speed [ft/s]": speed / FOOT,
-                "growth, run [1/s]": found.growth,
-                "growth, exact [1/s]": exact.real,
-                "frequency, run [Hz]": found.frequency,
-                "frequency, exact [Hz]": exact.imag / (2 * pi),
-            }
-        )
-    return pd.DataFrame(rows).set_index("speed [ft/s]")
+        frequencies = (found.frequency, exact.imag / (2 * pi))
+        rows.append((speed / FOOT, found.growth, exact.real, *frequencies))
+    growths = ("growth, run [1/s]", "growth, exact [1/s]")
+    columns = ["speed [ft/s]", *growths, "frequency, run [Hz]", "frequency, exact [Hz]"]
+    return pd.DataFrame(rows, columns=columns).set_index("speed [ft/s]")
 
 
 def _drawn(linear: LinearCar, speed: float, word: str) -> tuple[list[Line], str]:
@@ -233,21 +222,16 @@ def _drawn(linear: LinearCar, speed: float, word: str) -> tuple[list[Line], str]
 
 
 def _dataset(branches: Sequence[Branch], speeds: np.ndarray, car: str, friction: str) -> xr.Dataset:
-    names = [branch.name for branch in branches]
-    data = {
-        "frequency": (
-            ("mode", "speed"),
-            np.array([b.frequency for b in branches]),
-            {"units": "Hz"},
-        ),
-        "damping_ratio": (
-            ("mode", "speed"),
-            np.array([b.damping for b in branches]),
-            {"units": "1"},
-        ),
-        "growth": (("mode", "speed"), np.array([b.roots.real for b in branches]), {"units": "1/s"}),
-        "name": (("mode",), names),
+    found = {
+        "frequency": ("Hz", [branch.frequency for branch in branches]),
+        "damping_ratio": ("1", [branch.damping for branch in branches]),
+        "growth": ("1/s", [branch.roots.real for branch in branches]),
     }
+    data: dict[str, tuple[Any, ...]] = {
+        name: (("mode", "speed"), np.array(values), {"units": unit})
+        for name, (unit, values) in found.items()
+    }
+    data["name"] = (("mode",), [branch.name for branch in branches])
     axis = ("speed", speeds, {"units": "m/s"})
     return xr.Dataset(data, {"speed": axis}, {"car": car, "friction": friction})
 

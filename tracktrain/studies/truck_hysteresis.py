@@ -24,10 +24,10 @@ from ..options.car import car_option, fmu_option
 from ..options.types import Name
 from ..plots import BLUE, GREEN, PURPLE, RED, STYLE, conversion
 from ..scales import INCH, POUND_FORCE
-from ..terminal import Progress
+from ..terminal import Progress, unseen
 from .common.command import study_command
 from .common.outcome import Outcome
-from .common.rig import Signals, completed, rig, run_on_rig, under_test
+from .common.rig import FORCES, MOTION, Signals, completed, rig, run_on_rig, under_test
 
 LOADS = (20.0, 50.0, 100.0)
 """Vertical loads on the bolster [kip], report section 4.2.4."""
@@ -75,7 +75,7 @@ def truck_hysteresis(
     loads: Sequence[float] = LOADS,
     periods: Sequence[float] = PERIODS,
     fmu: Path | None = None,
-    progress: Progress | None = None,
+    progress: Progress = unseen,
 ) -> Outcome:
     """Force against deflection of each element of a truck, loaded cyclically.
 
@@ -93,8 +93,7 @@ def truck_hysteresis(
         run = run_on_rig(place, given, stand, 3 * period)
         completed(run, f"the {drive} loop at {load:g} kip")
         cycles += _cycles(run.dataset, drive, load, period)
-        if progress:
-            progress((done + 1) / len(plan))
+        progress((done + 1) / len(plan))
     return Outcome(
         title=f"Truck hysteresis, {car}, wedge friction {wedge_law.replace('_', ' ')}",
         dataset=_dataset(cycles, car, wedge_law),
@@ -178,8 +177,8 @@ def _stand(drive: str, values: Values, load: float, period: float) -> InlineMode
 
     axles = (1, 2)
     return rig(
-        outputs=_CAR | {f"axle[{k}].{n}": u for k in axles for n, u in _LOADS.items()},
-        inputs={f"axle[{k}].{n}": u for k in axles for n, u in _MOTION.items()},
+        outputs=_CAR | {f"axle[{k}].{n}": u for k in axles for n, u in FORCES.items()},
+        inputs={f"axle[{k}].{n}": u for k in axles for n, u in MOTION.items()},
         law=law,
         rates={f"car.{rate}": f"car.{name}" for name, rate in _RATE.items()},
         depends={
@@ -193,8 +192,6 @@ def _stand(drive: str, values: Values, load: float, period: float) -> InlineMode
 _RATE = {"y": "vy", "z": "vz", "roll": "wx", "yaw": "wz"}
 _CAR = {f"car.{n}": "m" for n in ("y", "z")} | {f"car.{n}": "rad" for n in ("roll", "yaw")}
 _CAR |= {f"car.{n}": "m/s" for n in ("vy", "vz")} | {f"car.{n}": "rad/s" for n in ("wx", "wz")}
-_MOTION = {"y": "m", "yaw": "rad", "vy": "m/s", "wz": "rad/s"}
-_LOADS = {"force_y": "N", "moment_z": "N.m"}
 
 
 def _smoothstep(u: float, rate: float) -> tuple[float, float]:

@@ -26,7 +26,7 @@ from ..plots import BLUE, MUTED, RED, STYLE
 from ..scales import FOOT
 from .common.command import study_command
 from .common.outcome import Outcome
-from .common.rig import completed, under_test
+from .common.rig import FORCES, MOTION, completed, under_test
 from .common.ringdown import Oscillation, oscillation
 
 LATERAL_STIFFNESS, YAW_STIFFNESS = 2e6, 2e6
@@ -38,8 +38,6 @@ SLOW = 2.0
 ROLLED = 100.0
 """Distance over which the kinematic wave is measured [m]."""
 
-MOTION = {"y": "m", "yaw": "rad", "vy": "m/s", "wz": "rad/s"}
-LOADS = {"force_y": "N", "moment_z": "N.m"}
 Values = Mapping[str, float]
 
 
@@ -156,7 +154,7 @@ class _Stand:
                 for k in axles
                 for ends in (
                     *((f"rig.axle[{k}].{n}", f"axle_{k}.{n}") for n in MOTION),
-                    *((f"axle_{k}.{n}", f"rig.axle[{k}].{n}") for n in LOADS),
+                    *((f"axle_{k}.{n}", f"rig.axle[{k}].{n}") for n in FORCES),
                 )
             ),
             bonds=(),
@@ -173,7 +171,7 @@ def _mass_on_wheelsets(frame: Frame) -> InlineModel:
     partials = {
         f"axle[{k}].{load}_per_{own}": (k, load, own)
         for k in axles
-        for load in LOADS
+        for load in FORCES
         for own in MOTION
     }
     moved = np.array([[[1.0, x], [0.0, 1.0]] for x in frame.stations])  # (y, yaw) at each axle
@@ -198,7 +196,7 @@ def _mass_on_wheelsets(frame: Frame) -> InlineModel:
         x: np.ndarray, u: Values, rate: Values, p: Values, time: float, size: float
     ) -> np.ndarray:
         def loads(signals: Values) -> np.ndarray:
-            at_axles = np.array([[signals[f"axle[{k}].{load}"] for load in LOADS] for k in axles])
+            at_axles = np.array([[signals[f"axle[{k}].{load}"] for load in FORCES] for k in axles])
             return np.einsum("kij,ki->j", moved, at_axles)
 
         follows = tuple(u[name] for name in partials)
@@ -213,11 +211,11 @@ def _mass_on_wheelsets(frame: Frame) -> InlineModel:
         }
 
     def per(load: str, own: str) -> str:
-        return f"{LOADS[load]}/({MOTION[own]})"
+        return f"{FORCES[load]}/({MOTION[own]})"
 
     return InlineModel(
         outputs={f"axle[{k}].{n}": unit for k in axles for n, unit in MOTION.items()},
-        inputs={f"axle[{k}].{n}": unit for k in axles for n, unit in LOADS.items()}
+        inputs={f"axle[{k}].{n}": unit for k in axles for n, unit in FORCES.items()}
         | {name: per(load, own) for name, (_, load, own) in partials.items()},
         derivative_of={
             f"axle[{k}].{r}": f"axle[{k}].{n}"

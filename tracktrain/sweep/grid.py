@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..car.hopper import CARS, REPORT_SPEED, hopper_car
 from ..errors import choices
-from ..terminal import Progress
+from ..terminal import Progress, unseen
 from .axes import Axis, Given, SweepError, make_axis, shaped
 from .store import Store
 from .table import make_table, write_table
@@ -48,7 +48,7 @@ def sweep(
     workers: int | None = None,
     scheduler: str | None = None,
     reuse: bool = True,
-    progress: Progress | None = None,
+    progress: Progress = unseen,
     **options: Any,
 ) -> xr.Dataset:
     """Run the car at every point of a grid; rms, peak and dominant frequency of its outputs.
@@ -77,8 +77,7 @@ def sweep(
         try:
             for number, row in rows(tasks, outputs, workers, scheduler, reuse):
                 store.add(number, row)
-                if progress:
-                    progress(len(store.rows) / len(points))
+                progress(len(store.rows) / len(points))
         finally:
             table = make_table(axes, store.rows)
             if out is not None:

@@ -13,6 +13,10 @@ from ...errors import TracktrainError
 
 Signals = Mapping[str, float]
 
+MOTION = {"y": "m", "yaw": "rad", "vy": "m/s", "wz": "rad/s"}
+FORCES = {"force_y": "N", "moment_z": "N.m"}
+"""What an axle and its wheelset give each other, and the units."""
+
 
 def rig(
     outputs: Mapping[str, str],

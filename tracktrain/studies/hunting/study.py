@@ -15,7 +15,7 @@ from ...car.modes import critical_speeds
 from ...options.car import REPORT_SPEEDS, SPEED_UNITS, car_option, duration_option, speeds_option
 from ...options.types import Quantity
 from ...scales import FOOT
-from ...terminal import Progress
+from ...terminal import Progress, unseen
 from ..common.command import study_command
 from ..common.outcome import Outcome
 from .pictures import coordinates_figure, elements_figure, staircase_figure
@@ -49,7 +49,7 @@ def hunting(
     staircase: tuple[float, float] = BETWEEN,
     longest: float = LONGEST,
     transients_only: bool = False,
-    progress: Progress | None = None,
+    progress: Progress = unseen,
 ) -> Outcome:
     """Hunting from a small yaw of the front truck, and its limit cycle against speed.
 
@@ -66,15 +66,13 @@ def hunting(
     with Session() as session:
         for number, speed in enumerate(speeds, start=1):
             transients.append(transient(car, speed, duration, initial_yaw, session))
-            if progress:
-                progress(share * number / len(speeds))
+            progress(share * number / len(speeds))
         if climbed:
             low, high = climbed
             steps = np.linspace(low, high, round((high - low) / STAIR) + 1)
             system = on_perfect_track(car, low, initial_yaw)
             plateaus = driven(system, [*steps, *steps[-2::-1]], longest, session)
-            if progress:
-                progress(0.7)
+            progress(0.7)
             system = on_perfect_track(car, high, initial_yaw)
             tried = bisected(system, low, high, longest, RESOLUTION, session)
     tables = {

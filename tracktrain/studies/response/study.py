@@ -26,7 +26,7 @@ from ...options.car import (
 )
 from ...options.chosen import Assigned
 from ...scales import ANGLE, FOOT, MILE_PER_HOUR, Scale
-from ...terminal import Progress
+from ...terminal import Progress, unseen
 from ..common.command import study_command
 from ..common.outcome import Outcome
 from ..common.rig import completed
@@ -71,7 +71,7 @@ def response(
     duration: float = 8.0,
     seeds: int = SEEDS,
     settings: Sequence[Assigned] = (),
-    progress: Progress | None = None,
+    progress: Progress = unseen,
 ) -> Outcome:
     """Response of the leading axle and the carbody to irregular track, with spectra.
 
@@ -92,8 +92,7 @@ def response(
                 found[-1].append(_spectra(run))
                 if seed == 1:
                     drawn.append(run.dataset)
-                if progress:
-                    progress((number * seeds + seed) / (len(speeds) * seeds))
+                progress((number * seeds + seed) / (len(speeds) * seeds))
     shown = responses(vehicle(car).layout)
     data = _dataset(speeds, drawn, found, shown)
     tables = {name: _table(data, name, shown[name].scale) for name in ("force", "displacement")}
