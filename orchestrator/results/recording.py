@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..errors import RecordSizeError
 from ..masters.base import Prepared
+from ..masters.loop.record import Record, at, record_of
 from ..plan.plan import Plan
 from ..run.grid import Grid
 from .energy import (
@@ -28,8 +29,7 @@ FLUSH = 2.0
 class Recording:
     """The record of a run, shape (steps + 1, columns), of which memory may hold the newest rows.
 
-    rows, ends: arrays of the whole shape, indexed by macro step, whatever is in memory of them; no
-    other rows than those from `first` to `last` may be touched. constant: inputs that nothing
+    in_memory: its rows from `first` to `last`. constant: inputs that nothing
     drives, which stand behind the columns. every: rows at its multiples are kept. memory: bound
     of what is held [bytes]; older rows go to the sinks.
     """
@@ -58,12 +58,21 @@ class Recording:
                     f"{columns} values need {least * size} bytes; give more"
                 )
             self._count = min(self._count, fitting)
-        self._rows = _room(self._count, columns)
-        self._ends = _room(self._count, len(prepared.led))
+        self.rows = _room(self._count, columns)
+        self.ends = _room(self._count, len(prepared.led))
+        self.first = 0
         self._sums = BondSums(plan.bonds, plan.column_of, prepared.led, grid.step)
         self._taken = 0  # rows that are summed up and in the file
         self._flushed = time.perf_counter()
-        self._show(0)
+
+    @property
+    def in_memory(self) -> Record:
+        """What a macro loop walks over."""
+        return record_of(self.rows, self.ends, self.first)
+
+    def row(self, k: int) -> NDArray[np.float64]:
+        """The row of a macro step, which is in memory."""
+        return self.rows[at(self.in_memory, k)]
 
     @property
     def last(self) -> int:
@@ -81,18 +90,18 @@ class Recording:
             return
         while self._taken < done:
             first, self._taken = self._taken, min(self._taken + BLOCK, done)
-            before = max(first - 1, 0)
-            self._sums.add(self.rows[before : self._taken], self.ends[before : self._taken - 1])
+            before, after = max(first - 1, 0) - self.first, self._taken - self.first
+            self._sums.add(self.rows[before:after], self.ends[before : after - 1])
             if self.sinks:
                 kept = self.kept(first, self._taken)
                 for sink in self.sinks:
                     sink.append(kept)
         self._flushed = time.perf_counter()
         if full:
-            first = max(self.first, done - self._behind)
-            self._rows[: done - first] = self.rows[first:done]
-            self._ends[: done - first] = self.ends[first:done]
-            self._show(first)
+            newest = self._newest(done)
+            count = newest.stop - newest.start
+            self.rows[:count], self.ends[:count] = self.rows[newest], self.ends[newest]
+            self.first = done - count
 
     def residuals(self) -> list[BondResidual]:
         """Energy residual of every bond, over the rows that were taken."""
@@ -100,39 +109,34 @@ class Recording:
 
     def memory(self, done: int) -> dict[str, NDArray[Any]]:
         """What a continued run needs: the newest rows, and sums."""
-        first = max(self.first, done - self._behind)
+        newest = self._newest(done)
         return {
-            "rows": self.rows[first:done].copy(),
-            "ends": self.ends[first:done].copy(),
+            "rows": self.rows[newest].copy(),
+            "ends": self.ends[newest].copy(),
             "sums": self._sums.values,
         }
 
     def restore(self, done: int, memory: dict[str, NDArray[Any]]) -> None:
         """Go on after `done` rows."""
         count = len(memory["rows"])
-        self._rows[:count], self._ends[:count] = memory["rows"], memory["ends"]
+        self.rows[:count], self.ends[:count] = memory["rows"], memory["ends"]
         self._sums.values[:] = memory["sums"]
         self._taken = done
-        self._show(done - count)
+        self.first = done - count
 
     def kept(self, first: int, last: int) -> NDArray[np.float64]:
         """Time and recorded values of those of some rows that are kept, shape (n, 1 + values)."""
         first = -(-first // self._every) * self._every
-        values = self.rows[first : last : self._every]
+        values = self.rows[first - self.first : last - self.first : self._every]
         if len(self._plan.recorded) < values.shape[1]:
             values = values[:, self._plan.recorded]
         times = self._grid.time(np.arange(first, last, self._every))
         constant = np.broadcast_to(self._constant, (len(times), len(self._constant)))
         return np.hstack([times[:, None], values, constant])
 
-    def row(self, k: int) -> NDArray[np.float64]:
-        """Row k of the record, which must be in memory, as a view, shape (columns,)."""
-        return self._rows[k - self.first]
-
-    def _show(self, first: int) -> None:
-        self.first = first
-        self.rows = _shifted(self._rows, first, self._grid.steps + 1)
-        self.ends = _shifted(self._ends, first, self._grid.steps + 1)
+    def _newest(self, done: int) -> slice:
+        """Where those of the first `done` rows stand that a master may look at."""
+        return slice(max(0, done - self._behind - self.first), done - self.first)
 
 
 def _room(rows: int, columns: int) -> NDArray[np.float64]:
@@ -144,22 +148,3 @@ def _room(rows: int, columns: int) -> NDArray[np.float64]:
             f"a record of {rows} rows of {columns} values does not fit into memory; write it to a "
             "file as it is made, give a longer step or a shorter duration, or record fewer outputs"
         ) from None
-
-
-class _Shifted:
-    """Says to numpy where an array would begin whose later rows are those of `values`."""
-
-    def __init__(self, values: NDArray[np.float64], first: int, rows: int) -> None:
-        self._values = values
-        address = values.ctypes.data - first * values.shape[1] * values.itemsize
-        self.__array_interface__ = {
-            "version": 3,
-            "typestr": values.dtype.str,
-            "shape": (rows, values.shape[1]),
-            "data": (address, False),
-        }
-
-
-def _shifted(values: NDArray[np.float64], first: int, rows: int) -> NDArray[np.float64]:
-    """`values` as the rows from `first` on of an array with more rows, which are not there."""
-    return np.asarray(_Shifted(values, first, rows))

@@ -27,6 +27,7 @@ def settle(plan: Plan, slaves: Sequence[Slave]) -> NDArray[np.float64]:
     Raises InitializationError naming the variables that do not settle or are not finite.
     """
     from ..masters.loop import tables
+    from ..masters.loop.record import record_of
 
     table = tables.calls(plan, slaves, [int(n) for n in np.diff(plan.first_column)])
     inputs = tables.feed(plan, [plan.links_of(i) for i in range(len(slaves))])
@@ -34,17 +35,17 @@ def settle(plan: Plan, slaves: Sequence[Slave]) -> NDArray[np.float64]:
     guessed = [plan.column_of[port] for loop in plan.loops for port in loop.guessed]
     tolerance = 10.0 * tables.LOOP_TOLERANCE if plan.loops else SETTLED
     rows, report = np.zeros((1, len(plan.columns))), np.zeros(4, np.int64)
-    row, address = rows[0], rows.ctypes.data
+    record, row = record_of(rows, rows[:0]), rows[0]
     for i in range(len(slaves)):
-        _check(slaves, i, "cannot read its outputs", tables.read_early(table, i, address))
+        _check(slaves, i, "cannot read its outputs", tables.read_early(table, i, record, 0))
     for _ in range(PASSES):
         previous = row.copy()
         for i in range(len(slaves)):
-            status = tables.set_inputs(table, i, inputs, i, rows, 0)
+            status = tables.set_inputs(table, i, inputs, i, record, 0)
             _check(slaves, i, "cannot set its inputs", status)
-            _check(slaves, i, "cannot read its outputs", tables.read_early(table, i, address))
+            _check(slaves, i, "cannot read its outputs", tables.read_early(table, i, record, 0))
         row[guessed] = previous[guessed]  # one time around a loop may lead away
-        tables.refresh_outputs(table, *refresh, rows, 0, address, report)
+        tables.refresh_outputs(table, *refresh, record, 0, report)
         finite = np.isfinite(row)
         if not finite.all():
             wrong = int(np.flatnonzero(~finite)[0])

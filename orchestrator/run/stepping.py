@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import signal
-import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import CheckpointError, OrchestratorError, ResultsError, SlaveError
+from ..interrupts import uninterrupted
 from ..masters.loop.idle import address_of_idle
+from ..masters.loop.record import Record, record_of
 from ..masters.loop.tables import LOOP, NOT_CONVERGED, NOT_FINITE
 from ..plan.plan import columns_of
 from ..results.recording import Recording
@@ -136,7 +136,7 @@ class Stepper:
         rows = np.full((count * START + 1, columns), np.nan)
         rows[0] = self._recording.row(0)
         ends = np.empty((count * START, len(led)))
-        self._call(0, count * START, self._grid.step / START, rows, ends, self._report)
+        self._call(0, count * START, self._grid.step / START, record_of(rows, ends), self._report)
         complete = int(self._report[0])
         done = (complete - 1) // START
         kept = self._recording.rows
@@ -187,13 +187,12 @@ class Stepper:
         spent = []
         for _ in range(3):
             begin = time.perf_counter()
-            self._call(0, steps, self._grid.step, rows, ends, report, tables)
+            self._call(0, steps, self._grid.step, record_of(rows, ends), report, tables)
             spent.append(time.perf_counter() - begin)
         return 1.0 - min(spent) / steps / (self.wall / max(self.rows_done - 1, 1))
 
     def _chunk(self, first: int, last: int) -> int:
-        recording = self._recording
-        self._call(first, last, self._grid.step, recording.rows, recording.ends, self._report)
+        self._call(first, last, self._grid.step, self._recording.in_memory, self._report)
         return last
 
     def _call(
@@ -201,8 +200,7 @@ class Stepper:
         first: int,
         last: int,
         step: float,
-        rows: NDArray[np.float64],
-        ends: NDArray[np.float64],
+        record: Record,
         report: NDArray[np.int64],
         tables: tuple[Any, ...] | None = None,
     ) -> None:
@@ -212,9 +210,7 @@ class Stepper:
                 last,
                 self._grid.start,
                 step,
-                rows,
-                rows.ctypes.data,
-                ends,
+                record,
                 report,
                 *(tables or self._prepared.tables),
             )
@@ -277,23 +273,3 @@ class Stepper:
 
     def _time(self, row: int) -> float:
         return self._grid.time(row)
-
-
-@contextmanager
-def uninterrupted() -> Iterator[None]:
-    """Hear Ctrl-C, or what raises the same, afterwards only, so that what is written is whole."""
-    if threading.current_thread() is not threading.main_thread():  # which alone hears it
-        yield
-        return
-    heard: list[int] = []
-    handlers = {n: signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM)}
-    handlers = {n: handler for n, handler in handlers.items() if callable(handler)}
-    for number in handlers:
-        signal.signal(number, lambda number, frame: heard.append(number))
-    try:
-        yield
-    finally:
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
-    if heard:
-        raise KeyboardInterrupt

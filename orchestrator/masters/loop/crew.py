@@ -11,7 +11,6 @@ import ctypes
 import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +18,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic, register_jitable
 
+from ...interrupts import uninterrupted
 from ...plan.plan import Plan
 from ...slaves.base import Slave
 from ...slaves.calls import call
@@ -29,8 +29,8 @@ from .tables import (
     ints,
 )
 
-STEPPED, FINISHED = range(2)
-"""Places of meeting: after the slaves' steps, and when the row is complete."""
+STEPPED, FINISHED, LEFT = range(3)
+"""Places of meeting: after the slaves' steps, and when the row is complete; and out of the loop."""
 
 SPINS = 2000
 """Looks at the others before a thread that waits gives its core away."""
@@ -40,7 +40,8 @@ class Crew(NamedTuple):
     """What one thread knows: its number, its slaves in their order, and where it meets the others.
 
     arrivals: at all meetings so far. stopped: by place of meeting, whether something stopped a
-    thread before it. rest: address of a function that lets other threads have the core.
+    thread before it, and whether one has left by an exception. rest: address of a function that
+    lets other threads have the core.
     """
 
     thread: int
@@ -54,11 +55,12 @@ class Crew(NamedTuple):
 
 def alone(order: Sequence[int]) -> Crew:
     """One thread that steps all slaves in an order."""
-    return _crew([order])[0]
+    return crew_of([order])[0]
 
 
-def _crew(slaves: Sequence[Sequence[int]]) -> list[Crew]:
-    arrivals, stopped = np.zeros(1, np.int64), np.zeros(2, np.int64)
+def crew_of(slaves: Sequence[Sequence[int]]) -> list[Crew]:
+    """Threads that step these slaves each."""
+    arrivals, stopped = np.zeros(1, np.int64), np.zeros(3, np.int64)
     rest = _rest() if len(slaves) > 1 else 0
     return [
         Crew(thread, len(slaves), ints(own), arrivals, arrivals.ctypes.data, stopped, rest)
@@ -93,7 +95,7 @@ def man(prepared: Prepared, plan: Plan, slaves: Sequence[Slave], threads: int) -
     parts = [p.tolist() for p in np.array_split(np.array(rest, np.int64), threads - 1) if p.size]
     if not parts:
         return prepared
-    crew = _crew([sorted(mine), *parts])
+    crew = crew_of([sorted(mine), *parts])
     notes = [*prepared.notes, f"{len(crew)} threads step the FMUs"]
     if staying:
         names = ", ".join(plan.names[i] for i in staying)
@@ -113,24 +115,29 @@ class Together:
         self._pool = ThreadPoolExecutor(len(crew) - 1, "tracktrain")
 
     def __call__(self, *arguments: Any) -> None:
-        from ...run.stepping import uninterrupted
-
-        *given, report = arguments[:8]
-        tables = arguments[8:-1]
+        *given, report = arguments[:6]
+        tables = arguments[6:-1]
         for own in self._reports:
             own[:] = report
         self._crew[0].stopped[:] = 0
         with uninterrupted():  # else some would wait for the others for ever
             running = [
-                self._pool.submit(partial(self._loop, *given, own, *tables, crew))
+                self._pool.submit(self._walk, *given, own, *tables, crew)
                 for own, crew in zip(self._reports, self._crew[1:], strict=True)
             ]
-            self._loop(*given, report, *tables, self._crew[0])
+            self._walk(*given, report, *tables, self._crew[0])
             for future in running:
                 future.result()
         found = [r for r in (report, *self._reports) if r[1]]
         if found:
             report[1:] = min(found, key=lambda r: r[2])[1:]
+
+    def _walk(self, *arguments: Any) -> None:
+        try:
+            self._loop(*arguments)
+        except BaseException:
+            arguments[-1].stopped[LEFT] = 1  # else the others would wait for it for ever
+            raise
 
 
 def _typed_add(typing_context: Any, address: Any, value: Any) -> Any:
@@ -162,5 +169,7 @@ def meet(crew: Crew, place: int, report: Ints) -> bool:
     while _add(crew.arrivals_address, 0) < awaited:
         spins += 1
         if spins > SPINS:
+            if crew.stopped[LEFT] != 0:
+                return False
             call(crew.rest, ())
     return crew.stopped[place] == 0

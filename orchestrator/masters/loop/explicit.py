@@ -52,6 +52,7 @@ from .leads import (
     led_to,
     send_rates,
 )
+from .record import Record, at
 from .tables import (
     DERIVE,
     GET,
@@ -60,7 +61,6 @@ from .tables import (
     STEP,
     Calls,
     Feed,
-    Floats,
     Ints,
     Refresh,
     calls,
@@ -154,9 +154,7 @@ def advance(
     last: int,
     start: float,
     step: float,
-    rows: Floats,
-    address: int,
-    end_values: Floats,
+    record: Record,
     report: Ints,
     calls: Calls,
     inputs: Feed,
@@ -172,27 +170,24 @@ def advance(
     ends: Ends,
     crew: Crew,
 ) -> None:
-    """Macro steps `first` to `last`; row k of the record, at `address`, is time start + k*step [s].
+    """Macro steps `first` to `last`; row k of the record is time start + k*step [s].
 
-    end_values: what the inputs of `ends` were led to, by step. report: number of rows that are
-    complete, then call, slave and status of what stopped the run.
+    report: number of rows that are complete, then call, slave and status of what stopped the run.
     """
-    width = 8 * rows.shape[1]
     for k in range(first, last):
-        row = address + (k + 1) * width
         for slave in crew.slave:
             window = calls.every[slave]
             if (k + 1) % window != 0:
-                carry_on(calls, slave, rows, k + 1, degree, step)
+                carry_on(calls, slave, record, k + 1, degree, step)
                 continue
             begin, length = k + 1 - window, window * step
             if not ask_tangents(
-                calls, slave, tangents, seeds, seeds_sent, inputs, window, degree, rows, k, step,
+                calls, slave, tangents, seeds, seeds_sent, inputs, window, degree, record, k, step,
                 report,
             ):  # fmt: skip
                 break
-            fill_inputs(inputs, slave, rows, begin)
-            find_leads(leads, slave, window, degree, rows, k, step, tangents.result)
+            fill_inputs(inputs, slave, record, begin)
+            find_leads(leads, slave, window, degree, record, k, step, tangents.result)
             lead_constants(leads, slave, inputs, length)
             if stopped(report, slave, SET, send_inputs(calls, slave, inputs, slave)):
                 break
@@ -206,26 +201,27 @@ def advance(
             status = set_finals(calls, slave, finals, leads, inputs, length)
             if stopped(report, slave, SET, status):
                 break
-            if stopped(report, slave, GET, read_early(calls, slave, row)):
+            if stopped(report, slave, GET, read_early(calls, slave, record, k + 1)):
                 break
-            keep_ends(slave, ends, inputs, leads, rows, k, length, end_values)
+            keep_ends(slave, ends, inputs, leads, record, k, length)
         if not meet(crew, STEPPED, report):
             return
         if crew.thread == 0:
-            finish_row(calls, refreshed, refresh, rows, k + 1, row, report)
+            finish_row(calls, refreshed, refresh, record, k + 1, report)
         if not meet(crew, FINISHED, report):
             return
 
 
 @register_jitable
-def carry_on(calls: Calls, slave: int, rows: Floats, k: int, degree: int, step: float) -> None:
+def carry_on(calls: Calls, slave: int, record: Record, k: int, degree: int, step: float) -> None:
     """Outputs of a slave at a row k at which it does not stand."""
     every = calls.every[slave]
     last = k - k % every
     time = (k - last) * step
+    row, known = at(record, k), at(record, last)
     for column in range(calls.first_column[slave], calls.first_column[slave + 1]):
-        speed, bend = extrapolate(rows, column, last, every, degree, step)
-        rows[k, column] = rows[last, column] + time * (speed + 0.5 * time * bend)
+        speed, bend = extrapolate(record, column, last, every, degree, step)
+        record.rows[row, column] = record.rows[known, column] + time * (speed + 0.5 * time * bend)
 
 
 @register_jitable(inline="always")
@@ -238,7 +234,7 @@ def ask_tangents(
     inputs: Feed,
     window: int,
     degree: int,
-    rows: Floats,
+    record: Record,
     k: int,
     step: float,
     report: Ints,
@@ -248,7 +244,7 @@ def ask_tangents(
         source, group = tangents.source[n], tangents.seed_group[n]
         seed = tangents.seed_address[n]
         if group >= 0:
-            find_leads(seeds, group, window, degree, rows, k, step, tangents.result)
+            find_leads(seeds, group, window, degree, record, k, step, tangents.result)
             fill_sent(seeds_sent, group, seeds, window * step)
             seed = seeds_sent.value_address[group]
         status = ffi.directional(
@@ -293,16 +289,17 @@ def keep_ends(
     ends: Ends,
     inputs: Feed,
     leads: Leads,
-    rows: Floats,
+    record: Record,
     k: int,
     length: float,
-    end_values: Floats,
 ) -> None:
     """Keep what a slave's inputs were led to at the end of the step from row k."""
+    before, after = at(record, k), at(record, k + 1)
     for n in range(ends.first[slave], ends.first[slave + 1]):
         lead = ends.lead[n]
         value = inputs.value[ends.slot[n]] if lead < 0 else led_to(inputs, leads, lead, length)
         for m in range(ends.first_term[n], ends.first_term[n + 1]):
             column = ends.term_column[m]
-            value += inputs.value[ends.term_slot[m]] * (rows[k + 1, column] - rows[k, column])
-        end_values[k, n] = value
+            moved = record.rows[after, column] - record.rows[before, column]
+            value += inputs.value[ends.term_slot[m]] * moved
+        record.ends[before, n] = value

@@ -10,13 +10,13 @@ from ...slaves.base import Slave
 from ..base import Prepared
 from .crew import FINISHED, STEPPED, Crew, alone, meet
 from .explicit import early_reads
+from .record import Record
 from .tables import (
     GET,
     SET,
     STEP,
     Calls,
     Feed,
-    Floats,
     Ints,
     Refresh,
     calls,
@@ -45,9 +45,7 @@ def advance(
     last: int,
     start: float,
     step: float,
-    rows: Floats,
-    address: int,
-    ends: Floats,
+    record: Record,
     report: Ints,
     calls: Calls,
     inputs: Feed,
@@ -55,25 +53,23 @@ def advance(
     refresh: Refresh,
     crew: Crew,
 ) -> None:
-    """Macro steps `first` to `last`; row k of the record, at `address`, is time start + k*step [s].
+    """Macro steps `first` to `last`; row k of the record is time start + k*step [s].
 
     report: number of rows that are complete, then call, slave and status of what stopped the run.
     """
-    width = 8 * rows.shape[1]
     for k in range(first, last):
-        row = address + (k + 1) * width
         time = start + k * step
         for slave in crew.slave:
-            if stopped(report, slave, SET, set_inputs(calls, slave, inputs, slave, rows, k)):
+            if stopped(report, slave, SET, set_inputs(calls, slave, inputs, slave, record, k)):
                 break
             status = ffi.do_step(calls.do_step[slave], calls.instance[slave], time, step)
             if stopped(report, slave, STEP, status):
                 break
-            if stopped(report, slave, GET, read_early(calls, slave, row)):
+            if stopped(report, slave, GET, read_early(calls, slave, record, k + 1)):
                 break
         if not meet(crew, STEPPED, report):
             return
         if crew.thread == 0:
-            finish_row(calls, refreshed, refresh, rows, k + 1, row, report)
+            finish_row(calls, refreshed, refresh, record, k + 1, report)
         if not meet(crew, FINISHED, report):
             return

@@ -20,6 +20,7 @@ from ..coupling import (
     Way,
     interpolated,
 )
+from .record import Record, at
 from .tables import (
     Calls,
     Feed,
@@ -257,7 +258,7 @@ def end_table(
 
 @register_jitable(inline="always")
 def extrapolate(
-    rows: Floats, column: int, k: int, every: int, degree: int, step: float
+    record: Record, column: int, k: int, every: int, degree: int, step: float
 ) -> tuple[float, float]:
     """Speed and bend at row k of the polynomial through the last values of a column."""
     last = k - k % every
@@ -265,10 +266,11 @@ def extrapolate(
     if most == 0:
         return 0.0, 0.0
     apart = every * step
-    newest, before = rows[last, column], rows[last - every, column]
+    rows, row = record.rows, at(record, last)
+    newest, before = rows[row, column], rows[at(record, last - every), column]
     speed, bend = newest - before, 0.0
     if most == 2:
-        bend = speed - (before - rows[last - 2 * every, column])
+        bend = speed - (before - rows[at(record, last - 2 * every), column])
         speed += 0.5 * bend
     speed, bend = speed / apart, bend / (apart * apart)
     return speed + bend * (k - last) * step, bend
@@ -276,28 +278,29 @@ def extrapolate(
 
 @register_jitable(inline="always")
 def find_leads(
-    leads: Leads, group: int, window: int, degree: int, rows: Floats, k: int, step: float,
+    leads: Leads, group: int, window: int, degree: int, record: Record, k: int, step: float,
     result: Floats,
 ) -> None:  # fmt: skip
     """Speeds and bends of a group over the `window` macro steps that end at row k + 1."""
-    start, length = k + 1 - window, window * step
+    rows, length = record.rows, window * step
+    start, now, end = at(record, k + 1 - window), at(record, k), at(record, k + 1)
     for n in range(leads.first[group], leads.first[group + 1]):
         kind, column = leads.kind[n], leads.column[n]
         speed, bend = 0.0, 0.0
         if kind == KNOWN_END:
-            speed = (rows[k + 1, column] - rows[start, column]) / length
+            speed = (rows[end, column] - rows[start, column]) / length
         elif kind == DERIVED:
             speed = result[leads.rate[n]]
         else:
             if kind == EXTRAPOLATED:
-                speed, bend = extrapolate(rows, column, k, leads.every[n], degree, step)
+                speed, bend = extrapolate(record, column, k, leads.every[n], degree, step)
             else:
-                speed = leads.rate_gain[n] * rows[k, leads.rate[n]]
+                speed = leads.rate_gain[n] * rows[now, leads.rate[n]]
                 if leads.second[n] >= 0:
-                    bend = leads.second_gain[n] * rows[k, leads.second[n]]
+                    bend = leads.second_gain[n] * rows[now, leads.second[n]]
             if window > 1:  # from the value at the start straight to the end that this predicts
-                end = rows[k, column] + step * (speed + 0.5 * step * bend)
-                speed, bend = (end - rows[start, column]) / length, 0.0
+                reached = rows[now, column] + step * (speed + 0.5 * step * bend)
+                speed, bend = (reached - rows[start, column]) / length, 0.0
         leads.speed[n], leads.bend[n] = leads.gain[n] * speed, leads.gain[n] * bend
 
 

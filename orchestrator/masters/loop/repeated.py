@@ -29,6 +29,7 @@ from .quasi_newton import (
     unknowns,
     worst,
 )
+from .record import Record, at
 from .tables import (
     GET,
     NOT_CONVERGED,
@@ -261,9 +262,7 @@ def advance(
     last: int,
     start: float,
     step: float,
-    rows: Floats,
-    address: int,
-    end_values: Floats,
+    record: Record,
     report: Ints,
     calls: Calls,
     inputs: Feed,
@@ -276,35 +275,33 @@ def advance(
     tolerance: float,
     iterations: int,
 ) -> None:
-    """Macro steps `first` to `last`; row k of the record, at `address`, is time start + k*step [s].
+    """Macro steps `first` to `last`; row k of the record is time start + k*step [s].
 
     report: number of rows that are complete, then call, slave and status of what stopped the run;
     or a part that does not converge and its worst unknown.
     """
-    width = 8 * rows.shape[1]
     for k in range(first, last):
-        row = address + (k + 1) * width
         time = start + k * step
         for part in range(parts.group.size):
             group, begin, end = parts.group[part], parts.first[part], parts.first[part + 1]
             if group < 0:
                 slave = parts.slave[begin]
-                fill_inputs(ends, slave, rows, k + 1)
-                fill_inputs(inputs, slave, rows, k)
+                fill_inputs(ends, slave, record, k + 1)
+                fill_inputs(inputs, slave, record, k)
                 if not step_slave(
-                    calls, slave, inputs, ends, parts, moves, rows, k, row, time, step, report
+                    calls, slave, inputs, ends, parts, moves, record, k, time, step, report
                 ):
                     return
                 continue
             for n in range(begin, end):
                 slave = parts.slave[n]
-                fill_inputs(inputs, slave, rows, k)
+                fill_inputs(inputs, slave, record, k)
                 status = ffi.state(
                     calls.get_state[slave], calls.instance[slave], moves.state_address[slave]
                 )
                 if stopped(report, slave, SAVE, status):
                     return
-            guess_unknowns(unknowns, group, inputs, parts, rows, k)
+            guess_unknowns(unknowns, group, inputs, parts, record, k)
             begin_step(unknowns, group)
             agreed = False
             for iteration in range(iterations):
@@ -316,16 +313,16 @@ def advance(
                         )
                         if stopped(report, slave, RESTORE, status):
                             return
-                    fill_inputs(ends, slave, rows, k + 1)
+                    fill_inputs(ends, slave, record, k + 1)
                 put_unknowns(unknowns, group, parts, ends)
                 for n in range(begin, end):
                     if not step_slave(
-                        calls, parts.slave[n], inputs, ends, parts, moves, rows, k, row, time,
-                        step, report,
+                        calls, parts.slave[n], inputs, ends, parts, moves, record, k, time, step,
+                        report,
                     ):  # fmt: skip
                         return
                 for n in range(begin, end):
-                    fill_inputs(ends, parts.slave[n], rows, k + 1)
+                    fill_inputs(ends, parts.slave[n], record, k + 1)
                 compare_unknowns(unknowns, group, parts, ends)
                 if settled(unknowns, group, tolerance):
                     agreed = True
@@ -335,8 +332,8 @@ def advance(
                 report[1], report[2], report[3] = NOT_CONVERGED, group, worst(unknowns, group)
                 return
         for n in range(parts.kept.size):
-            end_values[k, n] = ends.value[parts.kept[n]]
-        if not finish_row(calls, refreshed, refresh, rows, k + 1, row, report):
+            record.ends[at(record, k), n] = ends.value[parts.kept[n]]
+        if not finish_row(calls, refreshed, refresh, record, k + 1, report):
             return
 
 
@@ -348,9 +345,8 @@ def step_slave(
     ends: Feed,
     parts: Parts,
     moves: Moves,
-    rows: Floats,
+    record: Record,
     k: int,
-    row: int,
     time: float,
     step: float,
     report: Ints,
@@ -358,7 +354,7 @@ def step_slave(
     """Step a slave from its `inputs` to its `ends` and read its outputs; False if stopped."""
     for n in range(parts.first_guess[slave], parts.first_guess[slave + 1]):
         slot = parts.guess_slot[n]
-        ends.value[slot] = guess(inputs, slot, rows, k)
+        ends.value[slot] = guess(inputs, slot, record, k)
     for n in range(moves.first_constant[slave], moves.first_constant[slave + 1]):
         slot = moves.constant[n]
         inputs.value[slot] = ends.value[slot]
@@ -384,22 +380,25 @@ def step_slave(
         return False
     if moves.final[slave] and stopped(report, slave, SET, send_inputs(calls, slave, ends, slave)):
         return False
-    return not stopped(report, slave, GET, read_early(calls, slave, row))
+    return not stopped(report, slave, GET, read_early(calls, slave, record, k + 1))
 
 
 @register_jitable
-def guess(inputs: Feed, slot: int, rows: Floats, k: int) -> float:
+def guess(inputs: Feed, slot: int, record: Record, k: int) -> float:
     """An input at the end of the step from row k, on the line through its source's last values."""
     column, value = inputs.column[slot], inputs.value[slot]
-    return value if k == 0 else value + inputs.slope[slot] * (rows[k, column] - rows[k - 1, column])
+    if k == 0:
+        return value
+    moved = record.rows[at(record, k), column] - record.rows[at(record, k - 1), column]
+    return value + inputs.slope[slot] * moved
 
 
 @register_jitable
 def guess_unknowns(
-    unknowns: Unknowns, group: int, inputs: Feed, parts: Parts, rows: Floats, k: int
+    unknowns: Unknowns, group: int, inputs: Feed, parts: Parts, record: Record, k: int
 ) -> None:
     for n in range(unknowns.first[group], unknowns.first[group + 1]):
-        unknowns.value[n] = guess(inputs, parts.unknown_slot[n], rows, k)
+        unknowns.value[n] = guess(inputs, parts.unknown_slot[n], record, k)
 
 
 @register_jitable

@@ -32,6 +32,7 @@ from .quasi_newton import (
     unknowns,
     worst,
 )
+from .record import Record, at, row_address
 from .unknowns import Unknowns
 
 Ints = NDArray[np.int64]
@@ -214,10 +215,11 @@ def refresh_tables(plan: Plan, table: Calls) -> tuple[Feed, Refresh]:
 
 
 @register_jitable(inline="always")
-def fill_inputs(feed: Feed, group: int, rows: Floats, k: int) -> None:
+def fill_inputs(feed: Feed, group: int, record: Record, k: int) -> None:
     """Values of a group's inputs from row k of the record."""
+    row = at(record, k)
     for slot in range(feed.first[group], feed.fed[group]):
-        feed.value[slot] = rows[k, feed.column[slot]]
+        feed.value[slot] = record.rows[row, feed.column[slot]]
     for n in range(feed.first_converted[group], feed.first_converted[group + 1]):
         slot = feed.converted[n]
         feed.value[slot] = feed.gain[n] * feed.value[slot] + feed.offset[n]
@@ -239,15 +241,15 @@ def send_inputs(calls: Calls, slave: int, feed: Feed, group: int) -> int:
 
 
 @register_jitable(inline="always")
-def set_inputs(calls: Calls, slave: int, feed: Feed, group: int, rows: Floats, k: int) -> int:
+def set_inputs(calls: Calls, slave: int, feed: Feed, group: int, record: Record, k: int) -> int:
     """Set a group's inputs of a slave from row k of the record; the status."""
-    fill_inputs(feed, group, rows, k)
+    fill_inputs(feed, group, record, k)
     return send_inputs(calls, slave, feed, group)
 
 
 @register_jitable(inline="always")
-def read_early(calls: Calls, slave: int, row: int) -> int:
-    """Read the outputs of a slave that are read right after its step; the status."""
+def read_early(calls: Calls, slave: int, record: Record, k: int) -> int:
+    """Read into row k the outputs of a slave that are read right after its step; the status."""
     if calls.early[slave] == 0:
         return 0
     return ffi.reals(
@@ -255,46 +257,45 @@ def read_early(calls: Calls, slave: int, row: int) -> int:
         calls.instance[slave],
         calls.first_reference[slave],
         calls.early[slave],
-        row + 8 * calls.first_column[slave],
+        row_address(record, k) + 8 * calls.first_column[slave],
     )
 
 
 @register_jitable(inline="always")
 def refresh_batch(
-    calls: Calls, feed: Feed, refresh: Refresh, batch: int, rows: Floats, k: int, row: int,
-    report: Ints,
-) -> bool:  # fmt: skip
-    """Set a batch's inputs from row k (at address `row`) and read its outputs; False if stopped."""
+    calls: Calls, feed: Feed, refresh: Refresh, batch: int, record: Record, k: int, report: Ints
+) -> bool:
+    """Set a batch's inputs from row k and read its outputs; False if stopped."""
     slave = refresh.slave[batch]
     if k % calls.every[slave] != 0:
         return True
-    if stopped(report, slave, SET, set_inputs(calls, slave, feed, batch, rows, k)):
+    if stopped(report, slave, SET, set_inputs(calls, slave, feed, batch, record, k)):
         return False
     status = ffi.reals(
         calls.get_real[slave],
         calls.instance[slave],
         refresh.reference_address[batch],
         refresh.width[batch],
-        row + 8 * refresh.first_column[batch],
+        row_address(record, k) + 8 * refresh.first_column[batch],
     )
     return not stopped(report, slave, GET, status)
 
 
 @register_jitable(inline="always")
 def refresh_outputs(
-    calls: Calls, feed: Feed, refresh: Refresh, rows: Floats, k: int, row: int, report: Ints
+    calls: Calls, feed: Feed, refresh: Refresh, record: Record, k: int, report: Ints
 ) -> bool:
-    """Bring the feedthrough outputs of row k (at address `row`) up to date; False if stopped."""
+    """Bring the feedthrough outputs of row k up to date; False if stopped."""
     batch, loop = 0, 0
     while batch < refresh.slave.size:
         looped = loop < refresh.first_of_loop.size and batch >= refresh.first_of_loop[loop]
         if looped and batch == refresh.first_of_loop[loop]:
-            guess_loop(refresh, loop, rows, k)
-        if not refresh_batch(calls, feed, refresh, batch, rows, k, row, report):
+            guess_loop(refresh, loop, record, k)
+        if not refresh_batch(calls, feed, refresh, batch, record, k, report):
             return False
         batch += 1
         if looped and batch == refresh.last_of_loop[loop]:
-            if close_loop(refresh, loop, rows, k):
+            if close_loop(refresh, loop, record, k):
                 loop += 1
             elif refresh.unknowns.state[loop, 0] < LOOP_PASSES:
                 batch = refresh.first_of_loop[loop]
@@ -306,12 +307,12 @@ def refresh_outputs(
 
 @register_jitable(inline="always")
 def finish_row(
-    calls: Calls, feed: Feed, refresh: Refresh, rows: Floats, k: int, row: int, report: Ints
+    calls: Calls, feed: Feed, refresh: Refresh, record: Record, k: int, report: Ints
 ) -> bool:
-    """Bring row k (at address `row`) up to date and look at it; False if stopped."""
-    if not refresh_outputs(calls, feed, refresh, rows, k, row, report):
+    """Bring row k up to date and look at it; False if stopped."""
+    if not refresh_outputs(calls, feed, refresh, record, k, report):
         return False
-    if not all_finite(rows, k):
+    if not all_finite(record, k):
         report[1] = NOT_FINITE
         return False
     report[0] = k + 1
@@ -319,29 +320,29 @@ def finish_row(
 
 
 @register_jitable
-def guess_loop(refresh: Refresh, loop: int, rows: Floats, k: int) -> None:
+def guess_loop(refresh: Refresh, loop: int, record: Record, k: int) -> None:
     """Begin to go around a loop, with the guesses that stand in row k."""
-    table = refresh.unknowns
+    table, row = refresh.unknowns, at(record, k)
     for n in range(table.first[loop], table.first[loop + 1]):
-        table.value[n] = rows[k, refresh.guessed[n]]
+        table.value[n] = record.rows[row, refresh.guessed[n]]
     if refresh.again[loop] == 0:
         begin_step(table, loop)
     refresh.again[loop] = 1
 
 
 @register_jitable
-def close_loop(refresh: Refresh, loop: int, rows: Floats, k: int) -> bool:
+def close_loop(refresh: Refresh, loop: int, record: Record, k: int) -> bool:
     """Whether the guessed outputs came out as guessed; else row k gets better guesses."""
-    table = refresh.unknowns
+    table, row = refresh.unknowns, at(record, k)
     first, last = table.first[loop], table.first[loop + 1]
     for n in range(first, last):
-        table.residual[n] = rows[k, refresh.guessed[n]] - table.value[n]
+        table.residual[n] = record.rows[row, refresh.guessed[n]] - table.value[n]
     if settled(table, loop, LOOP_TOLERANCE):
         refresh.again[loop] = 0
         return True
     improve(table, loop)
     for n in range(first, last):
-        rows[k, refresh.guessed[n]] = table.value[n]
+        record.rows[row, refresh.guessed[n]] = table.value[n]
     return False
 
 
@@ -355,9 +356,9 @@ def stopped(report: Ints, slave: int, call: int, status: int) -> bool:
 
 
 @register_jitable(fastmath={"reassoc", "nsz"})
-def all_finite(rows: Floats, k: int) -> bool:
+def all_finite(record: Record, k: int) -> bool:
     """Whether row k has finite numbers only: zero times anything else is not zero."""
-    total = 0.0
-    for n in range(rows.shape[1]):
-        total += 0.0 * rows[k, n]
+    total, row = 0.0, at(record, k)
+    for n in range(record.rows.shape[1]):
+        total += 0.0 * record.rows[row, n]
     return total == 0.0

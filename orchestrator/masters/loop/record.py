@@ -1,0 +1,49 @@
+"""The rows that a macro loop walks over: those of the record that are in memory.
+
+FMUs write their outputs right into a row, by its address: that is why it must not be another's
+memory that a row number leads to.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from numba.extending import register_jitable
+
+from .unknowns import Floats
+
+
+class Record(NamedTuple):
+    """Rows from the number `first` on; row k is the time start + k*step.
+
+    rows: outputs by column, shape (n, columns). ends: by led input its value at the end of the step
+    from a row, shape (n or n - 1, inputs). address: of the first value of `rows`.
+    """
+
+    first: int
+    rows: Floats
+    ends: Floats
+    address: int
+
+
+def record_of(rows: Floats, ends: Floats, first: int = 0) -> Record:
+    """The record whose rows from `first` on are these."""
+    return Record(first, rows, ends, rows.ctypes.data)
+
+
+@register_jitable(inline="always")
+def at(record: Record, k: int) -> int:
+    """Where row k stands in memory; raises IndexError for a row that does not."""
+    place = k - record.first
+    if place < 0 or place >= record.rows.shape[0]:
+        raise IndexError(
+            "a master touches a row of the record that is not in memory: it may look at the row "
+            "that it makes, and at so many before it as it states (Prepared.behind)"
+        )
+    return place
+
+
+@register_jitable(inline="always")
+def row_address(record: Record, k: int) -> int:
+    """Address of the first value of row k; raises IndexError for a row that is not in memory."""
+    return record.address + 8 * record.rows.shape[1] * at(record, k)
