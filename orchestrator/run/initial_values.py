@@ -26,36 +26,39 @@ def settle(plan: Plan, slaves: Sequence[Slave]) -> NDArray[np.float64]:
 
     Raises InitializationError naming the variables that do not settle or are not finite.
     """
-    from ..masters.loop import tables
+    from ..masters.loop.packets import feed, set_inputs
     from ..masters.loop.record import record_of
+    from ..masters.loop.refresh import LOOP_TOLERANCE, refresh_outputs, refresh_table
+    from ..masters.loop.tables import LOOP, all_columns, calls, read_early
 
-    table = tables.calls(plan, slaves, [int(n) for n in np.diff(plan.first_column)])
-    inputs = tables.feed(plan, [plan.links_of(i) for i in range(len(slaves))])
-    refresh = tables.refresh_tables(plan, table)
+    table = calls(plan, slaves, all_columns(plan))
+    inputs = feed(plan, [plan.links_of(i) for i in range(len(slaves))])
+    refresh = refresh_table(plan, table)
     guessed = [plan.column_of[port] for loop in plan.loops for port in loop.guessed]
-    tolerance = 10.0 * tables.LOOP_TOLERANCE if plan.loops else SETTLED
+    tolerance = 10.0 * LOOP_TOLERANCE if plan.loops else SETTLED
     rows, report = np.zeros((1, len(plan.columns))), np.zeros(4, np.int64)
     record, row = record_of(rows, rows[:0]), rows[0]
     for i in range(len(slaves)):
-        _check(slaves, i, "cannot read its outputs", tables.read_early(table, i, record, 0))
+        read = read_early(table, i, record, 0, report)
+        _check(slaves, i, "cannot read its outputs", read)
     for _ in range(PASSES):
         previous = row.copy()
         for i in range(len(slaves)):
-            status = tables.set_inputs(table, i, inputs, i, record, 0)
-            _check(slaves, i, "cannot set its inputs", status)
-            _check(slaves, i, "cannot read its outputs", tables.read_early(table, i, record, 0))
+            taken = set_inputs(table, i, inputs, i, record, 0, report)
+            _check(slaves, i, "cannot set its inputs", taken)
+            read = read_early(table, i, record, 0, report)
+            _check(slaves, i, "cannot read its outputs", read)
         row[guessed] = previous[guessed]  # one time around a loop may lead away
-        tables.refresh_outputs(table, *refresh, record, 0, report)
+        refresh_outputs(table, refresh, record, 0, report)
         finite = np.isfinite(row)
         if not finite.all():
             wrong = int(np.flatnonzero(~finite)[0])
             raise InitializationError(
                 f"{plan.name(*plan.columns[wrong])} is {row[wrong]} at the start"
             )
-        if report[1] == tables.LOOP:
+        if report[1] == LOOP:
             raise InitializationError(f"{loop_failure(plan, report)} at the start")
-        if report[1]:
-            _check(slaves, int(report[2]), "cannot be initialized", int(report[3]))
+        _check(slaves, int(report[2]), "cannot be initialized", report[1] == 0)
         moving = np.abs(row - previous) > tolerance * np.maximum(np.abs(row), np.abs(previous))
         if not moving.any():
             return row
@@ -68,7 +71,7 @@ def settle(plan: Plan, slaves: Sequence[Slave]) -> NDArray[np.float64]:
 
 def loop_failure(plan: Plan, report: NDArray[np.int64]) -> str:
     """What to say of an algebraic loop that a report names."""
-    from ..masters.loop.tables import LOOP_PASSES
+    from ..masters.loop.refresh import LOOP_PASSES
 
     guessed = plan.loops[int(report[2])].guessed
     names = [f"{plan.names[i]}.{name}" for i, name in guessed]
@@ -78,6 +81,6 @@ def loop_failure(plan: Plan, report: NDArray[np.int64]) -> str:
     )
 
 
-def _check(slaves: Sequence[Slave], i: int, failure: str, status: int) -> None:
-    if status > 1:
+def _check(slaves: Sequence[Slave], i: int, failure: str, fine: bool) -> None:
+    if not fine:
         raise SlaveError(f"{slaves[i].name} {failure}{slaves[i].said()}")

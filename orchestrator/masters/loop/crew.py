@@ -24,10 +24,10 @@ from ...slaves.base import Slave
 from ...slaves.calls import call
 from ...slaves.fmu import address_of
 from ..base import Prepared
-from .tables import (
-    Ints,
-    ints,
-)
+from .arrays import Ints, ints
+from .record import Record
+from .refresh import Refresh, finish_row
+from .tables import Calls
 
 STEPPED, FINISHED, LEFT = range(3)
 """Places of meeting: after the slaves' steps, and when the row is complete; and out of the loop."""
@@ -173,3 +173,15 @@ def meet(crew: Crew, place: int, report: Ints) -> bool:
                 return False
             call(crew.rest, ())
     return crew.stopped[place] == 0
+
+
+@register_jitable(inline="always")
+def complete(
+    crew: Crew, calls: Calls, refresh: Refresh, record: Record, k: int, report: Ints
+) -> bool:
+    """Meet when the slaves have stepped to row k, make it whole, and meet again."""
+    if not meet(crew, STEPPED, report):
+        return False
+    if crew.thread == 0:
+        finish_row(calls, refresh, record, k, report)
+    return meet(crew, FINISHED, report)

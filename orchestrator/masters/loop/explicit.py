@@ -16,69 +16,37 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
 from numba.extending import register_jitable
 
 from ...plan.plan import Plan
 from ...slaves import calls as ffi
 from ...slaves.base import Slave
 from ..base import Prepared
-from ..coupling import (
-    Coupling,
-    Way,
-)
-from .crew import (
-    FINISHED,
-    STEPPED,
-    Crew,
-    alone,
-    meet,
-)
+from ..coupling import Coupling, Way
+from .arrays import Ints, starts
+from .crew import Crew, alone, complete
 from .leads import (
     KNOWN_END,
     Ends,
-    Finals,
     Lead,
     Leads,
-    Sent,
+    Led,
     best_lead,
     end_table,
     extrapolate,
-    fill_sent,
+    fill_finals,
+    fill_rates,
     find_leads,
     lead_constants,
     lead_tables,
     leads_of,
     led_to,
-    send_rates,
 )
+from .packets import Feed, feed, fill_inputs, send, send_rates
 from .record import Record, at
-from .tables import (
-    DERIVE,
-    GET,
-    SET,
-    SET_RATES,
-    STEP,
-    Calls,
-    Feed,
-    Ints,
-    Refresh,
-    calls,
-    feed,
-    fill_inputs,
-    finish_row,
-    macro_loop,
-    read_early,
-    refresh_tables,
-    send_inputs,
-    starts,
-    stopped,
-)
-from .tangents import (
-    Tangents,
-    gather,
-    tangent_table,
-)
+from .refresh import Refresh, refresh_table
+from .tables import DERIVE, Calls, calls, do_step, early_columns, goes_on, macro_loop, read_early
+from .tangents import Tangents, gather, tangent_table
 
 
 def prepare(plan: Plan, slaves: Sequence[Slave], coupling: Coupling) -> Prepared:
@@ -103,7 +71,7 @@ def prepare(plan: Plan, slaves: Sequence[Slave], coupling: Coupling) -> Prepared
         lead.column for group in [*groups, *seed_groups] for lead in group if lead.kind == KNOWN_END
     }
     used |= {int(column) for column in ends.term_column}
-    table = calls(plan, slaves, early_reads(plan, used))
+    table = calls(plan, slaves, early_columns(plan, used))
     references = [
         [plan.descriptions[i].variables[name].reference for name in target.partials]
         for i, target in enumerate(targets)
@@ -111,7 +79,7 @@ def prepare(plan: Plan, slaves: Sequence[Slave], coupling: Coupling) -> Prepared
     tables = (
         table,
         feed(plan, [target.links for target in targets], references),
-        *refresh_tables(plan, table),
+        refresh_table(plan, table),
         coupling.degree,
         tangent_table(plan, targets, first_slot),
         *lead_tables(plan, groups, first_slot),
@@ -137,17 +105,6 @@ def prepare(plan: Plan, slaves: Sequence[Slave], coupling: Coupling) -> Prepared
     )
 
 
-def early_reads(plan: Plan, used: set[int]) -> list[int]:
-    """How many columns of each slave are read right after its step: all where it needs be."""
-    sizes = np.diff(plan.first_column)
-    whole = set(plan.looped)
-    for column in used:
-        instance = plan.columns[column][0]
-        if column - plan.first_column[instance] >= plan.steady[instance]:
-            whole.add(instance)
-    return [int(sizes[i]) if i in whole else plan.steady[i] for i in range(len(plan.names))]
-
-
 @macro_loop
 def advance(
     first: int,
@@ -158,22 +115,18 @@ def advance(
     report: Ints,
     calls: Calls,
     inputs: Feed,
-    refreshed: Feed,
     refresh: Refresh,
     degree: int,
     tangents: Tangents,
     leads: Leads,
-    sent: Sent,
-    finals: Finals,
+    rates: Led,
+    finals: Led,
     seeds: Leads,
-    seeds_sent: Sent,
+    seed_rates: Led,
     ends: Ends,
     crew: Crew,
 ) -> None:
-    """Macro steps `first` to `last`; row k of the record is time start + k*step [s].
-
-    report: number of rows that are complete, then call, slave and status of what stopped the run.
-    """
+    """Macro steps `first` to `last`; row k of the record is time start + k*step [s]."""
     for k in range(first, last):
         for slave in crew.slave:
             window = calls.every[slave]
@@ -182,33 +135,27 @@ def advance(
                 continue
             begin, length = k + 1 - window, window * step
             if not ask_tangents(
-                calls, slave, tangents, seeds, seeds_sent, inputs, window, degree, record, k, step,
+                calls, slave, tangents, seeds, seed_rates, inputs, window, degree, record, k, step,
                 report,
             ):  # fmt: skip
                 break
             fill_inputs(inputs, slave, record, begin)
             find_leads(leads, slave, window, degree, record, k, step, tangents.result)
             lead_constants(leads, slave, inputs, length)
-            if stopped(report, slave, SET, send_inputs(calls, slave, inputs, slave)):
+            if not send(calls, slave, inputs.packets, slave, report):
                 break
-            fill_sent(sent, slave, leads, length)
-            if stopped(report, slave, SET_RATES, send_rates(calls, slave, sent)):
+            fill_rates(rates, slave, leads, length)
+            if not send_rates(calls, slave, rates.packets, slave, report):
                 break
-            time = start + begin * step
-            status = ffi.do_step(calls.do_step[slave], calls.instance[slave], time, length)
-            if stopped(report, slave, STEP, status):
+            if not do_step(calls, slave, start + begin * step, length, report):
                 break
-            status = set_finals(calls, slave, finals, leads, inputs, length)
-            if stopped(report, slave, SET, status):
+            fill_finals(finals, slave, leads, inputs, length)
+            if not send(calls, slave, finals.packets, slave, report):
                 break
-            if stopped(report, slave, GET, read_early(calls, slave, record, k + 1)):
+            if not read_early(calls, slave, record, k + 1, report):
                 break
             keep_ends(slave, ends, inputs, leads, record, k, length)
-        if not meet(crew, STEPPED, report):
-            return
-        if crew.thread == 0:
-            finish_row(calls, refreshed, refresh, record, k + 1, report)
-        if not meet(crew, FINISHED, report):
+        if not complete(crew, calls, refresh, record, k + 1, report):
             return
 
 
@@ -230,7 +177,7 @@ def ask_tangents(
     slave: int,
     tangents: Tangents,
     seeds: Leads,
-    seeds_sent: Sent,
+    seed_rates: Led,
     inputs: Feed,
     window: int,
     degree: int,
@@ -245,8 +192,8 @@ def ask_tangents(
         seed = tangents.seed_address[n]
         if group >= 0:
             find_leads(seeds, group, window, degree, record, k, step, tangents.result)
-            fill_sent(seeds_sent, group, seeds, window * step)
-            seed = seeds_sent.value_address[group]
+            fill_rates(seed_rates, group, seeds, window * step)
+            seed = seed_rates.packets.value_address[group]
         status = ffi.directional(
             calls.directional[source],
             calls.instance[source],
@@ -257,30 +204,12 @@ def ask_tangents(
             seed,
             tangents.result_address[n],
         )
-        if stopped(report, source, DERIVE, status):
+        if not goes_on(report, source, DERIVE, status):
             return False
     for n in range(tangents.first_slot[slave], tangents.first_slot[slave + 1]):
-        inputs.value[tangents.slot[n]] = tangents.gain[n] * tangents.result[tangents.entry[n]]
+        result = tangents.result[tangents.entry[n]]
+        inputs.packets.value[tangents.slot[n]] = tangents.gain[n] * result
     return True
-
-
-@register_jitable(inline="always")
-def set_finals(
-    calls: Calls, slave: int, finals: Finals, leads: Leads, inputs: Feed, length: float
-) -> int:
-    """Set inputs to where they lead, before a slave's outputs are read; the status."""
-    first, last = finals.first[slave], finals.first[slave + 1]
-    if first == last:
-        return 0
-    for n in range(first, last):
-        finals.value[n] = led_to(inputs, leads, finals.lead[n], length)
-    return ffi.reals(
-        calls.set_real[slave],
-        calls.instance[slave],
-        finals.reference_address[slave],
-        last - first,
-        finals.value_address[slave],
-    )
 
 
 @register_jitable(inline="always")
@@ -294,12 +223,12 @@ def keep_ends(
     length: float,
 ) -> None:
     """Keep what a slave's inputs were led to at the end of the step from row k."""
-    before, after = at(record, k), at(record, k + 1)
+    before, after, values = at(record, k), at(record, k + 1), inputs.packets.value
     for n in range(ends.first[slave], ends.first[slave + 1]):
         lead = ends.lead[n]
-        value = inputs.value[ends.slot[n]] if lead < 0 else led_to(inputs, leads, lead, length)
+        value = values[ends.slot[n]] if lead < 0 else led_to(inputs, leads, lead, length)
         for m in range(ends.first_term[n], ends.first_term[n + 1]):
             column = ends.term_column[m]
             moved = record.rows[after, column] - record.rows[before, column]
-            value += inputs.value[ends.term_slot[m]] * moved
+            value += values[ends.term_slot[m]] * moved
         record.ends[before, n] = value

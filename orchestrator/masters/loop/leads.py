@@ -8,29 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 from numba.extending import register_jitable
-from numpy.typing import NDArray
 
-from ...plan.plan import (
-    Link,
-    Plan,
-)
-from ...slaves import calls as ffi
-from ..coupling import (
-    Coupling,
-    Way,
-    interpolated,
-)
+from ...plan.plan import Link, Plan
+from ..coupling import Coupling, Way, interpolated
+from .arrays import Floats, Ints, ints, starts
+from .packets import Feed, Packets, packets
 from .record import Record, at
-from .tables import (
-    Calls,
-    Feed,
-    Floats,
-    Ints,
-    References,
-    addresses,
-    ints,
-    starts,
-)
 from .tangents import Target
 
 KNOWN_END, DECLARED_RATE, EXTRAPOLATED, DERIVED = range(4)
@@ -65,28 +48,11 @@ class Leads(NamedTuple):
     bend: Floats
 
 
-class Sent(NamedTuple):
-    """Input derivatives of each group, by lead and order."""
+class Led(NamedTuple):
+    """Numbers to send by group, and the lead that each follows from."""
 
-    first: Ints
+    packets: Packets
     lead: Ints
-    value: Floats
-    value_address: Ints
-    reference: References
-    reference_address: Ints
-    order: NDArray[np.int32]
-    order_address: Ints
-
-
-class Finals(NamedTuple):
-    """Inputs that do not end where they lead, by slave: set there before its outputs are read."""
-
-    first: Ints
-    lead: Ints
-    value: Floats
-    value_address: Ints
-    reference: References
-    reference_address: Ints
 
 
 class Ends(NamedTuple):
@@ -155,8 +121,12 @@ def best_lead(plan: Plan, coupling: Coupling, link: Link, reader: int) -> Lead:
 
 def lead_tables(
     plan: Plan, groups: Sequence[Sequence[Lead]], first_slot: Ints | None = None
-) -> tuple[Leads, Sent, Finals]:
-    """Tables of groups of leads; `first_slot` is where each slave's inputs begin in the feed."""
+) -> tuple[Leads, Led, Led]:
+    """Tables of groups of leads, of their input derivatives, and of the inputs set at the end.
+
+    first_slot: where each slave's inputs begin in the feed. Set at the end are inputs that do not
+    end where they were led: there they belong before outputs are read.
+    """
     flat = [lead for group in groups for lead in group]
     slots = [-1] * len(flat)
     if first_slot is not None:
@@ -178,15 +148,15 @@ def lead_tables(
         bend=np.zeros(len(flat)),
     )
     orders = {LINE: (1,), PARABOLA: (1, 2), MEAN: (), END: ()}
-    sent = [
-        [(lead, n, o) for lead, n in numbered for o in orders[lead.shape]]
+    rates = [
+        [(lead, n, order) for lead, n in numbered for order in orders[lead.shape]]
         for numbered in _numbered(groups)
     ]
-    final = [
-        [(lead, n) for lead, n in numbered if lead.second >= 0 or lead.shape == MEAN]
+    finals = [
+        [(lead, n, 0) for lead, n in numbered if lead.second >= 0 or lead.shape == MEAN]
         for numbered in _numbered(groups)
     ]
-    return leads, _sent(sent), _finals(final)
+    return leads, _led(rates), _led(finals)
 
 
 def _numbered(groups: Sequence[Sequence[Lead]]) -> list[list[tuple[Lead, int]]]:
@@ -197,36 +167,10 @@ def _numbered(groups: Sequence[Sequence[Lead]]) -> list[list[tuple[Lead, int]]]:
     ]
 
 
-def _sent(groups: Sequence[Sequence[tuple[Lead, int, int]]]) -> Sent:
+def _led(groups: Sequence[Sequence[tuple[Lead, int, int]]]) -> Led:
+    references = [[lead.link.input.reference for lead, _, _ in group] for group in groups]
     flat = [entry for group in groups for entry in group]
-    first = starts([len(group) for group in groups])
-    value, order = np.zeros(len(flat)), np.array([o for _, _, o in flat], np.int32)
-    reference = np.array([lead.link.input.reference for lead, _, _ in flat], np.uint32)
-    return Sent(
-        first=first,
-        lead=ints(n for _, n, _ in flat),
-        value=value,
-        value_address=addresses(value, first),
-        reference=reference,
-        reference_address=addresses(reference, first),
-        order=order,
-        order_address=addresses(order, first),
-    )
-
-
-def _finals(groups: Sequence[Sequence[tuple[Lead, int]]]) -> Finals:
-    flat = [entry for group in groups for entry in group]
-    first = starts([len(group) for group in groups])
-    value = np.zeros(len(flat))
-    reference = np.array([lead.link.input.reference for lead, _ in flat], np.uint32)
-    return Finals(
-        first=first,
-        lead=ints(n for _, n in flat),
-        value=value,
-        value_address=addresses(value, first),
-        reference=reference,
-        reference_address=addresses(reference, first),
-    )
+    return Led(packets(references, [order for _, _, order in flat]), ints(n for _, n, _ in flat))
 
 
 def end_table(
@@ -319,7 +263,7 @@ def mean_change(leads: Leads, n: int, length: float) -> float:
 @register_jitable(inline="always")
 def led_to(inputs: Feed, leads: Leads, n: int, length: float) -> float:
     """The value that an input ends a step with."""
-    value = inputs.value[leads.slot[n]]
+    value = inputs.packets.value[leads.slot[n]]
     moved = change(leads, n, length)
     if leads.shape[n] == MEAN:
         return value + moved - mean_change(leads, n, length)
@@ -331,35 +275,28 @@ def lead_constants(leads: Leads, group: int, inputs: Feed, length: float) -> Non
     """Move the inputs that are constant over a step to their mean, or to their end."""
     for n in range(leads.first[group], leads.first[group + 1]):
         if leads.shape[n] == MEAN:
-            inputs.value[leads.slot[n]] += mean_change(leads, n, length)
+            inputs.packets.value[leads.slot[n]] += mean_change(leads, n, length)
         elif leads.shape[n] == END:
-            inputs.value[leads.slot[n]] += change(leads, n, length)
+            inputs.packets.value[leads.slot[n]] += change(leads, n, length)
 
 
 @register_jitable(inline="always")
-def fill_sent(sent: Sent, group: int, leads: Leads, length: float) -> None:
+def fill_rates(rates: Led, group: int, leads: Leads, length: float) -> None:
     """Input derivatives of a group: a line has the mean of the parabola over the step."""
-    for n in range(sent.first[group], sent.first[group + 1]):
-        lead = sent.lead[n]
-        if sent.order[n] == 2:
-            sent.value[n] = leads.bend[lead]
+    packets = rates.packets
+    for n in range(packets.first[group], packets.first[group + 1]):
+        lead = rates.lead[n]
+        if packets.order[n] == 2:
+            packets.value[n] = leads.bend[lead]
         elif leads.shape[lead] == PARABOLA:
-            sent.value[n] = leads.speed[lead]
+            packets.value[n] = leads.speed[lead]
         else:
-            sent.value[n] = leads.speed[lead] + length / 3.0 * leads.bend[lead]
+            packets.value[n] = leads.speed[lead] + length / 3.0 * leads.bend[lead]
 
 
 @register_jitable(inline="always")
-def send_rates(calls: Calls, slave: int, sent: Sent) -> int:
-    """Set the input derivatives of a slave; the status."""
-    count = sent.first[slave + 1] - sent.first[slave]
-    if count == 0:
-        return 0
-    return ffi.rates(
-        calls.set_rates[slave],
-        calls.instance[slave],
-        sent.reference_address[slave],
-        count,
-        sent.order_address[slave],
-        sent.value_address[slave],
-    )
+def fill_finals(finals: Led, group: int, leads: Leads, inputs: Feed, length: float) -> None:
+    """Where the inputs of a group end that were led elsewhere."""
+    packets = finals.packets
+    for n in range(packets.first[group], packets.first[group + 1]):
+        packets.value[n] = led_to(inputs, leads, finals.lead[n], length)

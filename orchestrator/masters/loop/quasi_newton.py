@@ -17,7 +17,8 @@ from collections.abc import Sequence
 import numpy as np
 from numba.extending import register_jitable
 
-from .unknowns import AITKEN, FIXED_POINT, IQN_ILS, METHODS, MOST_UNKNOWNS, Floats, Unknowns
+from .arrays import Floats, starts
+from .unknowns import AITKEN, FIXED_POINT, IQN_ILS, METHODS, MOST_UNKNOWNS, Unknowns
 
 PATIENCE = 30
 """Evaluations after which what is known of the Jacobian is forgotten: it leads nowhere."""
@@ -37,7 +38,7 @@ def unknowns(
     scale_of: by unknown, unknowns of one number share a scale. nominal: by unknown, the least that
     its scale can be.
     """
-    first = np.concatenate([[0], np.cumsum(np.asarray(sizes, np.int64), dtype=np.int64)])
+    first = starts(sizes)
     chosen = METHODS.index(method)
     methods = [
         FIXED_POINT if chosen < AITKEN and size > MOST_UNKNOWNS else chosen for size in sizes
@@ -45,7 +46,7 @@ def unknowns(
     squares = [
         size * size if kind < AITKEN else 0 for size, kind in zip(sizes, methods, strict=True)
     ]
-    square = np.concatenate([[0], np.cumsum(np.asarray(squares, np.int64), dtype=np.int64)])
+    square = starts(squares)
     total = int(first[-1])
     shared = np.arange(total) if scale_of is None else np.asarray(scale_of)
     made = Unknowns(

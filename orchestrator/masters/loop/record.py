@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from numba.extending import register_jitable
 
-from .unknowns import Floats
+from .arrays import Floats
 
 
 class Record(NamedTuple):

@@ -7,55 +7,30 @@ from typing import NamedTuple
 
 import numpy as np
 from numba.extending import register_jitable
-from numpy.typing import NDArray
 
 from ...errors import CouplingError
 from ...plan.graph import strong_parts
-from ...plan.plan import (
-    Link,
-    Plan,
-)
+from ...plan.plan import Link, Plan
 from ...slaves import calls as ffi
 from ...slaves.base import Slave
 from ..base import Prepared
-from ..coupling import (
-    continuous,
-    interpolated,
-)
-from .quasi_newton import (
-    begin_step,
-    improve,
-    settled,
-    unknowns,
-    worst,
-)
+from ..coupling import continuous, interpolated
+from .arrays import Ints, addresses, ints, starts
+from .packets import Feed, Packets, feed, fill_inputs, packets, send, send_rates
+from .quasi_newton import begin_step, improve, settled, unknowns, worst
 from .record import Record, at
+from .refresh import Refresh, finish_row, refresh_table
 from .tables import (
-    GET,
     NOT_CONVERGED,
     RESTORE,
     SAVE,
-    SET,
-    SET_RATES,
-    STEP,
     Calls,
-    Feed,
-    Floats,
-    Ints,
-    References,
-    Refresh,
-    addresses,
+    all_columns,
     calls,
-    feed,
-    fill_inputs,
-    finish_row,
-    ints,
+    do_step,
+    goes_on,
     macro_loop,
     read_early,
-    refresh_tables,
-    send_inputs,
-    starts,
-    stopped,
 )
 from .unknowns import Solved, Unknowns
 
@@ -79,17 +54,12 @@ class Parts(NamedTuple):
 class Moves(NamedTuple):
     """Inputs by slave that move along a line over the step, and slots of those that are constant.
 
-    final: whether a slave's ends are set before its outputs are read. state: what it saved.
+    rates: of those that move. final: whether a slave's ends are set before its outputs are read.
+    state: what it saved.
     """
 
-    first: Ints
+    rates: Packets
     slot: Ints
-    value: Floats
-    value_address: Ints
-    reference_address: Ints
-    reference: References
-    order_address: Ints
-    order: NDArray[np.int32]
     first_constant: Ints
     constant: Ints
     final: Ints
@@ -112,11 +82,13 @@ def prepare(
     solved = [part for part in parts if _inside(plan, part, cut)]
     group_of = {part[0]: n for n, part in enumerate(solved)}
     links = [_inside(plan, part, cut) for part in solved]
-    table = calls(plan, slaves, [int(n) for n in np.diff(plan.first_column)])
+    table = calls(plan, slaves, all_columns(plan))
     groups = [plan.links_of(i) for i in range(len(slaves))]
     inputs, ends = feed(plan, groups), feed(plan, groups)
     slot = {
-        link: int(inputs.first[i]) + n for i, ks in enumerate(groups) for n, link in enumerate(ks)
+        link: int(inputs.packets.first[i]) + n
+        for i, ks in enumerate(groups)
+        for n, link in enumerate(ks)
     }
     scales: dict[object, int] = {}
     scale_of = [
@@ -129,7 +101,7 @@ def prepare(
     guesses = [[k for k in ks if k in cut] for ks in groups]
     led = [link for bond in plan.bonds for link in (bond.force, bond.velocity)]
     led = list(dict.fromkeys(led))
-    moves = _moves(plan, inputs, slot)
+    moves = _moves(plan, slot)
     for link in plan.links:
         if not continuous(link):  # stays as it is over the step
             inputs.slope[slot[link]] = 0.0
@@ -137,7 +109,7 @@ def prepare(
         table,
         inputs,
         ends,
-        *refresh_tables(plan, table),
+        refresh_table(plan, table),
         Parts(
             first=starts([len(part) for part in parts]),
             slave=ints(i for part in parts for i in part),
@@ -191,7 +163,7 @@ def _inside(plan: Plan, part: Sequence[int], cut: set[Link]) -> list[Link]:
     return [k for i in part for k in plan.links_of(i) if k.source in inside and k not in cut]
 
 
-def _moves(plan: Plan, inputs: Feed, slot: dict[Link, int]) -> Moves:
+def _moves(plan: Plan, slot: dict[Link, int]) -> Moves:
     groups = [
         [k for k in plan.links_of(i) if interpolated(plan, k)] for i in range(len(plan.names))
     ]
@@ -199,22 +171,16 @@ def _moves(plan: Plan, inputs: Feed, slot: dict[Link, int]) -> Moves:
         [k for k in plan.links_of(i) if not interpolated(plan, k)] for i in range(len(plan.names))
     ]
     feedthrough = np.diff(plan.first_column) > np.array(plan.steady)
-    first = starts([len(links) for links in groups])
-    reference = np.array([k.input.reference for links in groups for k in links], np.uint32)
-    value, order = np.zeros(reference.size), np.ones(reference.size, np.int32)
+    rates = packets(
+        [[k.input.reference for k in links] for links in groups], [1 for ks in groups for _ in ks]
+    )
     state = np.zeros(len(plan.names), np.int64)
     return Moves(
-        first=first,
+        rates=rates,
         slot=ints(slot[k] for links in groups for k in links),
-        value=value,
-        value_address=addresses(value, first),
-        reference_address=addresses(reference, first),
-        reference=reference,
-        order_address=addresses(order, first),
-        order=order,
         first_constant=starts([len(links) for links in constant]),
         constant=ints(slot[k] for links in constant for k in links),
-        final=ints(feedthrough & (np.diff(first) > 0)),
+        final=ints(feedthrough & (np.diff(rates.first) > 0)),
         state=state,
         state_address=addresses(state, np.arange(state.size)),
     )
@@ -267,7 +233,6 @@ def advance(
     calls: Calls,
     inputs: Feed,
     ends: Feed,
-    refreshed: Feed,
     refresh: Refresh,
     parts: Parts,
     moves: Moves,
@@ -277,64 +242,82 @@ def advance(
 ) -> None:
     """Macro steps `first` to `last`; row k of the record is time start + k*step [s].
 
-    report: number of rows that are complete, then call, slave and status of what stopped the run;
-    or a part that does not converge and its worst unknown.
+    A part that does not converge, and its worst unknown, stand in the report behind NOT_CONVERGED.
     """
     for k in range(first, last):
         time = start + k * step
         for part in range(parts.group.size):
-            group, begin, end = parts.group[part], parts.first[part], parts.first[part + 1]
-            if group < 0:
-                slave = parts.slave[begin]
-                fill_inputs(ends, slave, record, k + 1)
-                fill_inputs(inputs, slave, record, k)
-                if not step_slave(
-                    calls, slave, inputs, ends, parts, moves, record, k, time, step, report
-                ):
+            if parts.group[part] >= 0:
+                if not repeat_part(
+                    calls, part, inputs, ends, parts, moves, unknowns, tolerance, iterations,
+                    record, k, time, step, report,
+                ):  # fmt: skip
                     return
                 continue
-            for n in range(begin, end):
-                slave = parts.slave[n]
-                fill_inputs(inputs, slave, record, k)
-                status = ffi.state(
-                    calls.get_state[slave], calls.instance[slave], moves.state_address[slave]
-                )
-                if stopped(report, slave, SAVE, status):
-                    return
-            guess_unknowns(unknowns, group, inputs, parts, record, k)
-            begin_step(unknowns, group)
-            agreed = False
-            for iteration in range(iterations):
-                for n in range(begin, end):
-                    slave = parts.slave[n]
-                    if iteration > 0:
-                        status = ffi.state(
-                            calls.set_state[slave], calls.instance[slave], moves.state[slave]
-                        )
-                        if stopped(report, slave, RESTORE, status):
-                            return
-                    fill_inputs(ends, slave, record, k + 1)
-                put_unknowns(unknowns, group, parts, ends)
-                for n in range(begin, end):
-                    if not step_slave(
-                        calls, parts.slave[n], inputs, ends, parts, moves, record, k, time, step,
-                        report,
-                    ):  # fmt: skip
-                        return
-                for n in range(begin, end):
-                    fill_inputs(ends, parts.slave[n], record, k + 1)
-                compare_unknowns(unknowns, group, parts, ends)
-                if settled(unknowns, group, tolerance):
-                    agreed = True
-                    break
-                improve(unknowns, group)
-            if not agreed:
-                report[1], report[2], report[3] = NOT_CONVERGED, group, worst(unknowns, group)
+            slave = parts.slave[parts.first[part]]
+            fill_inputs(ends, slave, record, k + 1)
+            fill_inputs(inputs, slave, record, k)
+            if not step_slave(
+                calls, slave, inputs, ends, parts, moves, record, k, time, step, report
+            ):
                 return
         for n in range(parts.kept.size):
-            record.ends[at(record, k), n] = ends.value[parts.kept[n]]
-        if not finish_row(calls, refreshed, refresh, record, k + 1, report):
+            record.ends[at(record, k), n] = ends.packets.value[parts.kept[n]]
+        if not finish_row(calls, refresh, record, k + 1, report):
             return
+
+
+@register_jitable
+def repeat_part(
+    calls: Calls,
+    part: int,
+    inputs: Feed,
+    ends: Feed,
+    parts: Parts,
+    moves: Moves,
+    unknowns: Unknowns,
+    tolerance: float,
+    iterations: int,
+    record: Record,
+    k: int,
+    time: float,
+    step: float,
+    report: Ints,
+) -> bool:
+    """Step the slaves of a part until the ends of their inputs agree; False if stopped."""
+    group, slaves = parts.group[part], parts.slave[parts.first[part] : parts.first[part + 1]]
+    for slave in slaves:
+        fill_inputs(inputs, slave, record, k)
+        status = ffi.state(
+            calls.get_state[slave], calls.instance[slave], moves.state_address[slave]
+        )
+        if not goes_on(report, slave, SAVE, status):
+            return False
+    guess_unknowns(unknowns, group, inputs, parts, record, k)
+    begin_step(unknowns, group)
+    for iteration in range(iterations):
+        for slave in slaves:
+            if iteration > 0:
+                status = ffi.state(
+                    calls.set_state[slave], calls.instance[slave], moves.state[slave]
+                )
+                if not goes_on(report, slave, RESTORE, status):
+                    return False
+            fill_inputs(ends, slave, record, k + 1)
+        put_unknowns(unknowns, group, parts, ends)
+        for slave in slaves:
+            if not step_slave(
+                calls, slave, inputs, ends, parts, moves, record, k, time, step, report
+            ):
+                return False
+        for slave in slaves:
+            fill_inputs(ends, slave, record, k + 1)
+        compare_unknowns(unknowns, group, parts, ends)
+        if settled(unknowns, group, tolerance):
+            return True
+        improve(unknowns, group)
+    report[1], report[2], report[3] = NOT_CONVERGED, group, worst(unknowns, group)
+    return False
 
 
 @register_jitable
@@ -352,41 +335,31 @@ def step_slave(
     report: Ints,
 ) -> bool:
     """Step a slave from its `inputs` to its `ends` and read its outputs; False if stopped."""
+    value, end, rates = inputs.packets.value, ends.packets.value, moves.rates
     for n in range(parts.first_guess[slave], parts.first_guess[slave + 1]):
         slot = parts.guess_slot[n]
-        ends.value[slot] = guess(inputs, slot, record, k)
+        end[slot] = guess(inputs, slot, record, k)
     for n in range(moves.first_constant[slave], moves.first_constant[slave + 1]):
         slot = moves.constant[n]
-        inputs.value[slot] = ends.value[slot]
-    if stopped(report, slave, SET, send_inputs(calls, slave, inputs, slave)):
+        value[slot] = end[slot]
+    if not send(calls, slave, inputs.packets, slave, report):
         return False
-    first, last = moves.first[slave], moves.first[slave + 1]
-    if last > first:
-        for n in range(first, last):
-            slot = moves.slot[n]
-            moves.value[n] = (ends.value[slot] - inputs.value[slot]) / step
-        status = ffi.rates(
-            calls.set_rates[slave],
-            calls.instance[slave],
-            moves.reference_address[slave],
-            last - first,
-            moves.order_address[slave],
-            moves.value_address[slave],
-        )
-        if stopped(report, slave, SET_RATES, status):
-            return False
-    status = ffi.do_step(calls.do_step[slave], calls.instance[slave], time, step)
-    if stopped(report, slave, STEP, status):
+    for n in range(rates.first[slave], rates.first[slave + 1]):
+        slot = moves.slot[n]
+        rates.value[n] = (end[slot] - value[slot]) / step
+    if not send_rates(calls, slave, rates, slave, report):
         return False
-    if moves.final[slave] and stopped(report, slave, SET, send_inputs(calls, slave, ends, slave)):
+    if not do_step(calls, slave, time, step, report):
         return False
-    return not stopped(report, slave, GET, read_early(calls, slave, record, k + 1))
+    if moves.final[slave] and not send(calls, slave, ends.packets, slave, report):
+        return False
+    return read_early(calls, slave, record, k + 1, report)
 
 
 @register_jitable
 def guess(inputs: Feed, slot: int, record: Record, k: int) -> float:
     """An input at the end of the step from row k, on the line through its source's last values."""
-    column, value = inputs.column[slot], inputs.value[slot]
+    column, value = inputs.column[slot], inputs.packets.value[slot]
     if k == 0:
         return value
     moved = record.rows[at(record, k), column] - record.rows[at(record, k - 1), column]
@@ -404,10 +377,11 @@ def guess_unknowns(
 @register_jitable
 def put_unknowns(unknowns: Unknowns, group: int, parts: Parts, ends: Feed) -> None:
     for n in range(unknowns.first[group], unknowns.first[group + 1]):
-        ends.value[parts.unknown_slot[n]] = unknowns.value[n]
+        ends.packets.value[parts.unknown_slot[n]] = unknowns.value[n]
 
 
 @register_jitable
 def compare_unknowns(unknowns: Unknowns, group: int, parts: Parts, ends: Feed) -> None:
     for n in range(unknowns.first[group], unknowns.first[group + 1]):
-        unknowns.residual[n] = ends.value[parts.unknown_slot[n]] - unknowns.value[n]
+        end = ends.packets.value[parts.unknown_slot[n]]
+        unknowns.residual[n] = end - unknowns.value[n]

@@ -8,24 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...plan.plan import (
-    Link,
-    Plan,
-)
-from ..coupling import (
-    Coupling,
-    Way,
-    drives,
-    uncovered,
-)
-from .tables import (
-    Floats,
-    Ints,
-    References,
-    addresses,
-    ints,
-    starts,
-)
+from ...plan.plan import Link, Plan
+from ..coupling import Coupling, Way, drives, uncovered
+from .arrays import Floats, Ints, References, addresses, ints, starts
 
 
 class Tangents(NamedTuple):

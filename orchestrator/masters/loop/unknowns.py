@@ -5,11 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
+from .arrays import Floats, Ints
 
 METHODS = ("broyden", "iqn-ils", "aitken", "fixed-point")
 BROYDEN, IQN_ILS, AITKEN, FIXED_POINT = range(4)
