@@ -57,12 +57,14 @@ class Prepared:
 class Master(ABC):
     """An algorithm that couples slaves over a macro step; its fields are its options.
 
-    name: what a user calls it; place: where lists have it. Raises CouplingError for an option that
+    name: what a user calls it; place: where lists have it; follows: where it follows the loops of
+    a system, so that they set no largest step, in words. Raises CouplingError for an option that
     cannot be.
     """
 
     name: ClassVar[str]
     place: ClassVar[int] = 100
+    follows: ClassVar[str] = ""
 
     @abstractmethod
     def prepare(self, plan: Plan, slaves: Sequence[Slave]) -> Prepared:

@@ -16,25 +16,16 @@ no input derivatives is constant over a step, at the mean of what it would have 
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from itertools import pairwise
 
 from ..errors import UnitError
-from ..fmu.description import (
-    Description,
-    Tangent,
-    Variable,
-)
-from ..fmu.units import (
-    conversion,
-    scale_of,
-)
-from ..plan.plan import (
-    Link,
-    Plan,
-)
+from ..fmu.description import Description, Tangent, Variable
+from ..fmu.units import conversion, scale_of
+from ..plan.graph import strong_parts
+from ..plan.plan import Link, Plan
 
 
 class Way(Enum):
@@ -114,6 +105,13 @@ def couple(plan: Plan) -> Coupling:
             coupling.ways[link] = Way.DECLARED_RATE if link in rates else Way.EXTRAPOLATED
     coupling.notes[:0] = way_notes(plan, coupling)
     return coupling
+
+
+def dependent(plan: Plan, cut: Collection[Link] = ()) -> list[list[int]]:
+    """Parts of slaves that depend on each other by links that are not cut, sources first."""
+    instances = range(len(plan.names))
+    sources = {i: [k.source for k in plan.links_of(i) if k not in cut] for i in instances}
+    return strong_parts(instances, sources)
 
 
 def continuous(link: Link) -> bool:

@@ -11,10 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..plan.graph import strong_parts
 from ..plan.plan import Plan
 from .base import Extrapolating, Prepared
-from .coupling import Coupling, Way, continuous, way_notes
+from .coupling import Coupling, Way, continuous, dependent, way_notes
 
 if TYPE_CHECKING:
     from ..slaves.base import Slave
@@ -31,10 +30,7 @@ class GaussSeidel(Extrapolating):
         """The explicit loop in sequence."""
         from .loop import explicit
 
-        instances = range(len(plan.names))
-        sources = {i: [k.source for k in plan.links_of(i)] for i in instances}
-        order = [i for part in strong_parts(instances, sources) for i in part]
-        coupling = Coupling(order, {}, self.order)
+        coupling = Coupling([i for part in dependent(plan) for i in part], {}, self.order)
         for link in plan.links:
             if not continuous(link):
                 coupling.ways[link] = Way.HELD

@@ -31,6 +31,7 @@ class Iterated(Master):
 
     name = "iterated"
     place = 3
+    follows = "where they roll back"
 
     method: str = option(
         METHODS[0],

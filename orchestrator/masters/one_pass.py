@@ -26,6 +26,7 @@ class OnePass(Master):
 
     name = "one-pass"
     place = 0
+    follows = "where the FMUs offer tangents"
 
     def prepare(self, plan: Plan, slaves: Sequence[Slave]) -> Prepared:
         """The explicit loop, with inputs led as the descriptions allow."""

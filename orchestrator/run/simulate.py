@@ -14,6 +14,7 @@ from ..results.sink import Sink
 from ..slaves.session import Session
 from ..system.system import System
 from ..trust.findings import Evidence
+from ..trust.probe import Start
 from ..trust.step_limit import step_limit
 from ..trust.tested import self_tests
 from ..trust.verdict import judge
@@ -91,15 +92,7 @@ def _carried_out(execution: Execution, progress: Progress | None) -> Run:
 def _predict(execution: Execution) -> None:
     """Add the largest stable step to the evidence, and what the self-test found to the notes."""
     c, tests = execution.context, execution.evidence.tests
-    limit, unknown = step_limit(
-        c.system,
-        c.plan,
-        execution.first_row,
-        step=c.grid.step,
-        start=c.grid.start,
-        master=c.master,
-        tests=tests,
-        isolate=execution.isolated,
-    )
+    at_start = Start(c.system, c.plan, execution.first_row, c.grid.start, execution.isolated)
+    limit, unknown = step_limit(at_start, c.grid.step, c.master, tests)
     execution.evidence = evidence = replace(execution.evidence, limit=limit)
     execution.notes += [*evidence.notes(c.master.notes(evidence.distrusted)), *unknown]

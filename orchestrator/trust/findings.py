@@ -1,4 +1,8 @@
-"""What is known of how good an answer is: plain data, most of which can be remembered."""
+"""What is known of how good an answer is: plain data, in the order in which it is found.
+
+Of an FMU its `SelfTest`, of a system its `StepLimit`, of a run its `Refinement`, all of them
+together the `Evidence`; and the `Verdict` that follows from it.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +12,19 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
 
+from ..masters.base import masters
+
 VERSION = 1
 """Of the checks: results of another version are not used."""
 
 CHECKS = ("units", "determinism", "rollback", "serialisation", "dependencies", "derivatives")
 """What an FMU is tested for."""
+
+MARGIN = 0.5
+"""Share of the largest stable step above which a run is warned of: damping is off by then."""
+
+FAR = 16.0
+"""How many times the step is tried; a limit beyond does not matter."""
 
 
 @dataclass(frozen=True)
@@ -39,14 +51,6 @@ class SelfTest:
     def failed(self, check: str) -> bool:
         """Whether a check found an error."""
         return any(f.check == check for f in self.errors)
-
-
-MARGIN = 0.5
-"""Share of the largest stable step above which a run is warned of: damping is off by then."""
-
-
-FAR = 16.0
-"""How many times the step is tried; a limit beyond does not matter."""
 
 
 @dataclass(frozen=True)
@@ -80,33 +84,44 @@ class StepLimit:
     @property
     def advice(self) -> str:
         """What to do about a step that is close to the limit."""
+        following = [f"{m.name} {m.follows}" for m in masters().values() if m.follows]
         return (
             f"take at most {MARGIN * self.largest:.2g} s, or a master that follows the loop "
-            "(one-pass where the FMUs offer tangents, iterated where they roll back)"
+            f"({', '.join(following)})"
         )
 
 
-class Level(Enum):
-    """How far an answer can be relied on; see docs/trust.md."""
+@dataclass(frozen=True)
+class Error:
+    """Error of an output at the run's step, by Richardson: rms and peak over the signal's rms.
 
-    GOOD = "good"
-    UNKNOWN = "unknown"
-    DOUBTFUL = "doubtful"
-    BAD = "bad"
+    order: observed, or NaN where there is none; then the difference to the run with half the step.
+    """
+
+    name: str
+    rms: float
+    peak: float
+    order: float
+
+    @property
+    def converges(self) -> bool:
+        return not math.isnan(self.order)
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """A level, the reasons for it, and what to do."""
+class Refinement:
+    """Errors by output, those against the monolithic twin over `twin_span` [s], and notes."""
 
-    level: Level
-    reasons: tuple[str, ...]
-    advice: tuple[str, ...] = ()
+    step: float
+    errors: tuple[Error, ...]
+    twin: tuple[Error, ...] = ()
+    twin_span: float = 0.0
+    notes: tuple[str, ...] = ()
 
-    def __str__(self) -> str:
-        said = "; ".join(self.reasons)
-        todo = "".join(f" {_sentence(text)}" for text in self.advice)
-        return f"Trust: {self.level.value}. {_sentence(said)}{todo}"
+    @property
+    def worst(self) -> Error | None:
+        """The output with the largest error."""
+        return max(self.errors, key=lambda error: error.rms, default=None)
 
 
 @dataclass(frozen=True)
@@ -150,79 +165,28 @@ class Evidence:
         }
 
 
+class Level(Enum):
+    """How far an answer can be relied on; see docs/trust.md."""
+
+    GOOD = "good"
+    UNKNOWN = "unknown"
+    DOUBTFUL = "doubtful"
+    BAD = "bad"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A level, the reasons for it, and what to do."""
+
+    level: Level
+    reasons: tuple[str, ...]
+    advice: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        said = "; ".join(self.reasons)
+        todo = "".join(f" {_sentence(text)}" for text in self.advice)
+        return f"Trust: {self.level.value}. {_sentence(said)}{todo}"
+
+
 def _sentence(text: str) -> str:
     return f"{text[:1].upper()}{text[1:]}."
-
-
-@dataclass(frozen=True)
-class Error:
-    """Error of an output at the run's step, by Richardson: rms and peak over the signal's rms.
-
-    order: observed, or NaN where there is none; then the difference to the run with half the step.
-    """
-
-    name: str
-    rms: float
-    peak: float
-    order: float
-
-    @property
-    def converges(self) -> bool:
-        return not math.isnan(self.order)
-
-
-@dataclass(frozen=True)
-class Refinement:
-    """Errors by output, those against the monolithic twin over `twin_span` [s], and notes."""
-
-    step: float
-    errors: tuple[Error, ...]
-    twin: tuple[Error, ...] = ()
-    twin_span: float = 0.0
-    notes: tuple[str, ...] = ()
-
-    @property
-    def worst(self) -> Error | None:
-        """The output with the largest error."""
-        return max(self.errors, key=lambda error: error.rms, default=None)
-
-    def judged(self, small: float, large: float) -> list[tuple[Level, str]]:
-        """What it means for the verdict."""
-        found = []
-        erring = [e for e in self.errors if not e.converges and e.rms > small]
-        if worst := self.worst:
-            text = f"error of {worst.name} about {percent(worst.rms)} of its rms"
-            if worst.converges and worst.order > 0.0:
-                text += f" (order {worst.order:.1f})"
-            found.append((_level(worst.rms, small, large), text))
-        if erring:
-            names = ", ".join(e.name for e in erring[:3]) + (" ..." if erring[3:] else "")
-            found.append(
-                (
-                    Level.DOUBTFUL,
-                    f"smaller steps do not converge (no order observed) in {names}: the motion "
-                    "is chaotic or sticks and slips at other times, and only its statistics can "
-                    "be relied on",
-                )
-            )
-        if self.twin:
-            worst = max(self.twin, key=lambda error: error.rms)
-            found.append(
-                (
-                    _level(worst.rms, small, large),
-                    f"{percent(worst.rms)} at most from the monolithic twin ({worst.name}, first "
-                    f"{self.twin_span:g} s)",
-                )
-            )
-        return found
-
-
-def _level(error: float, small: float, large: float) -> Level:
-    if error <= small:
-        return Level.GOOD
-    return Level.DOUBTFUL if error <= large else Level.BAD
-
-
-def percent(share: float) -> str:
-    """A share in words: 0.0031 is "0.31 %"."""
-    return f"{100.0 * share:.2g} %"

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SlaveError
 from ..fmu.description import Variable
-from ..plan.plan import make_plan
+from ..plan.plan import Plan, make_plan
 from ..slaves.abi import DIRECTIONAL, DO_STEP, GET_STATE, SET_STATE
-from ..slaves.base import (
-    Slave,
-    Status,
-)
+from ..slaves.base import Slave, Status
 from ..slaves.session import Session
-from ..system.system import (
-    Component,
-    System,
-)
+from ..system.system import Component, System
 
 Array = NDArray[np.float64]
 
@@ -130,3 +125,31 @@ class Probe:
             slave.free_state(int(self._handle[0]))
             self._handle[0] = 0
             self._open.close()
+
+
+@dataclass(frozen=True)
+class Start:
+    """A system at its start, of whose instances there can be probes.
+
+    row: outputs by column of the plan. time [s]. isolate: instances in processes of their own.
+    """
+
+    system: System
+    plan: Plan
+    row: Array
+    time: float = 0.0
+    isolate: Collection[str] = ()
+
+    def probe(self, i: int, session: Session, stack: ExitStack) -> Probe:
+        """A fresh instance with the inputs that the run has at its start."""
+        name, plan = self.plan.names[i], self.plan
+        given = {
+            k.input.name: float(
+                k.gain * self.row[plan.column_of[k.source, k.output.name]] + k.offset
+            )
+            for k in plan.links_of(i)
+        }
+        return Probe(
+            name, self.system.components[name], session, stack, start=self.time, given=given,
+            isolate=name in self.isolate,
+        )  # fmt: skip

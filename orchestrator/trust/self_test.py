@@ -11,23 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import (
-    OrchestratorError,
-    UnitError,
-)
+from ..errors import OrchestratorError, UnitError
 from ..fmu.description import Variable
+from ..fmu.read import open_fmu
 from ..fmu.units import scale_of
 from ..slaves.session import Session
 from ..system.system import Component
-from .findings import (
-    CHECKS,
-    Finding,
-    SelfTest,
-)
-from .probe import (
-    Array,
-    Probe,
-)
+from .findings import CHECKS, Finding, SelfTest
+from .probe import Array, Probe
 
 STEPS = 3
 """Steps before and after a state is saved."""
@@ -326,8 +317,6 @@ def _some(names: list[str], limit: int = 6) -> str:
 
 def _recommended(component: Component) -> float | None:
     """The step that an FMU recommends [s]."""
-    from ..fmu.read import open_fmu
-
     if component.file is None:
         return None
     said = open_fmu(component.file).root.find("DefaultExperiment")

@@ -16,62 +16,48 @@ that damp count (|Im r| <= Re r): in those that swing, a large step makes the an
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 
 import numpy as np
 from scipy.linalg import eig
 
-from ..errors import (
-    CouplingError,
-    OrchestratorError,
-)
+from ..errors import CouplingError, OrchestratorError
 from ..masters.base import Master
-from ..plan.graph import strong_parts
-from ..plan.plan import (
-    Link,
-    Plan,
-)
+from ..masters.coupling import continuous, dependent
+from ..plan.plan import Link, Plan
 from ..slaves.session import Session
-from ..system.system import System
 from .findings import FAR, SelfTest, StepLimit
-from .probe import (
-    Array,
-    Probe,
-)
+from .probe import Array, Probe, Start
 from .self_test import differences
 
 CLOSE = 0.02
 """Relative change of the limit from one trial to the next that ends the search."""
 
-
 FORCES = (1e-6, 1e-3, 1.0)
 """Changes of an input to try, relative to its value or 1, until they tell above rounding."""
-
 
 TELLING = 1e6
 """How many roundings of an output a change of it must have."""
 
 
 def step_limit(
-    system: System,
-    plan: Plan,
-    row: Array,
-    *,
-    step: float,
-    start: float,
-    master: Master,
-    tests: Mapping[str, SelfTest],
-    isolate: Sequence[str] = (),
+    start: Start, step: float, master: Master, tests: Mapping[str, SelfTest]
 ) -> tuple[StepLimit | None, list[str]]:
-    """The limit of a system whose outputs are `row` at the start, and notes.
+    """The limit of a system by a master, searched from a step [s] on; and why it is not known.
 
-    None without loops, and where the master does not know.
-
-    tests: self-tests by instance; what failed rollback is loaded anew for each trial.
+    None without loops, and where it is not known. tests: self-tests by instance; what failed
+    rollback is loaded anew for each trial.
     """
-    parts = [set(part) for part in _parts(plan)]
-    links = [k for k in plan.links if any({k.source, k.target} <= part for part in parts)]
+    plan = start.plan
+    parts = [set(part) for part in dependent(plan) if len(part) > 1]
+    links = [
+        k
+        for k in plan.links
+        if continuous(k) and any({k.source, k.target} <= part for part in parts)
+    ]
+    if not links:
+        return None, []
     distrusted = {n for n, test in tests.items() if test.failed("rollback")}
     rigid = {
         i
@@ -79,9 +65,6 @@ def step_limit(
         if n in distrusted or not d.saves_state
     }
     ratios = master.stable_ratios(plan, links, rigid)
-    links = [k for k in links if k.input.kind == "real" and k.output.kind == "real"]
-    if not links:
-        return None, []
     if ratios is None:
         return None, [
             f"largest stable step: not known, since the master '{master.name}' does not say what "
@@ -93,17 +76,9 @@ def step_limit(
     try:
         with ExitStack() as stack:
             session = stack.enter_context(Session())
-            loops = _Loops(
-                {
-                    i: _probe(system, plan, row, i, session, stack, start, isolate)
-                    for i in sorted({k.source for k in links} | {k.target for k in links})
-                },
-                distrusted,
-                plan,
-                links,
-                weights,
-            )
-            return loops.limit(step), []
+            loaded = sorted({i for k in links for i in (k.source, k.target)})
+            probes = {i: start.probe(i, session, stack) for i in loaded}
+            return _Loops(probes, distrusted, plan, links, weights).limit(step), []
     except OrchestratorError as error:
         return None, [f"largest stable step: not known, since {error}"]
 
@@ -237,33 +212,3 @@ class _Loops:
         probe.step(size)
         probe.set(probe.at_start)
         return probe.get()
-
-
-def _probe(
-    system: System,
-    plan: Plan,
-    row: Array,
-    i: int,
-    session: Session,
-    stack: ExitStack,
-    start: float,
-    isolate: Sequence[str],
-) -> Probe:
-    """A fresh instance with the inputs that the run has at its start."""
-    name = plan.names[i]
-    given = {
-        k.input.name: float(k.gain * row[plan.column_of[k.source, k.output.name]] + k.offset)
-        for k in plan.links_of(i)
-    }
-    return Probe(
-        name, system.components[name], session, stack, start=start, given=given,
-        isolate=name in isolate,
-    )  # fmt: skip
-
-
-def _parts(plan: Plan) -> list[list[int]]:
-    """Slaves that depend on each other."""
-    sources: dict[int, list[int]] = {i: [] for i in range(len(plan.names))}
-    for k in plan.links:
-        sources[k.target].append(k.source)
-    return [p for p in strong_parts(list(sources), sources) if len(p) > 1]

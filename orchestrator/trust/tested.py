@@ -12,14 +12,14 @@ from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 
+from platformdirs import user_cache_path
+
 from ..plan.plan import component_description
+from ..slaves.isolated.slave import cause
 from ..system.encoding import encode
 from ..system.system import Component
-from .findings import (
-    VERSION,
-    Finding,
-    SelfTest,
-)
+from .findings import VERSION, Finding, SelfTest
+from .self_test import self_test
 
 TIMEOUT = 60.0
 """Wall time that the test of one FMU may take [s]."""
@@ -31,8 +31,6 @@ def self_tests(components: Mapping[str, Component], *, anew: bool = False) -> di
     An FMU is tested with the values of the first instance that has it, by steps that it recommends.
     Raises OrchestratorError for what cannot be described.
     """
-    from .self_test import self_test  # with a compiler, which takes its time
-
     hashes: dict[str, str] = {}
     known: dict[str, SelfTest] = {}
     waiting: dict[str, Component] = {}
@@ -82,27 +80,12 @@ def _run(asked: Path, answered: Path, timeout: float) -> str:
         )
     except subprocess.TimeoutExpired:
         return f"its self-test did not end within {timeout:g} s"
-    from ..slaves.isolated.slave import cause
-
     said = done.stderr.decode(errors="replace").strip().splitlines()
     more = f": {said[-1]}" if said else ""
     return f"its self-test crashed ({cause(done.returncode)}){more}"
 
 
-def answer(asked: Path, answered: Path) -> None:
-    """Test the FMUs that a file asks for, each result a line of another: in the new process."""
-    from ..system.encoding import decode
-    from .self_test import self_test
-
-    for component in decode(json.loads(asked.read_text())):
-        found = self_test(component)
-        with answered.open("a") as stream:
-            stream.write(json.dumps(asdict(found)) + "\n")
-
-
 def _place(sha256: str) -> Path:
-    from platformdirs import user_cache_path
-
     return user_cache_path("tracktrain") / "self_tests" / f"{VERSION}-{sha256}.json"
 
 

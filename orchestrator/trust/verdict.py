@@ -3,86 +3,119 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from ..results.energy import BondResidual
-
-if TYPE_CHECKING:
-    from .findings import SelfTest
-from .findings import Evidence, Level, Verdict
+from .findings import Evidence, Level, Refinement, SelfTest, StepLimit, Verdict
 
 SMALL_RESIDUAL = 1e-3
 """Energy residual of a bond below which the coupling does no harm: the hopper car with held inputs,
 whose motion is 3 to 14 % wrong, has 6e-3 to 2e-2; coupled to 1e-5 it has 1e-5."""
 
-
 LARGE_RESIDUAL = 0.1
 """Energy residual above which the coupling makes up a good part of the motion."""
-
 
 CARRYING = 1e-6
 """Share of the energy through the busiest bond below which a bond carries nothing but rounding."""
 
-
 SMALL_ERROR, LARGE_ERROR = 0.01, 0.2
 """Estimated error of an output over its rms: what engineering takes, and what it cannot use."""
-
 
 JUMPING = 0.5
 """Change of a force from step to step over twice its size, above which it jumps to and fro."""
 
-
 _ORDER = [Level.GOOD, Level.UNKNOWN, Level.DOUBTFUL, Level.BAD]
+
+Said = tuple[Level, str]
+"""A reason, and the level that it stands for."""
 
 
 def judge(message: str | None, bonds: Sequence[BondResidual], evidence: Evidence) -> Verdict:
     """The verdict on a run that stopped early with a message, or did not."""
-    found: list[tuple[Level, str]] = []
-    advice: list[str] = []
+    limit, tested = evidence.limit, _tests(evidence.tests)
+    measured = [*_refinement(evidence.refinement), *_energy(bonds), *_limit(limit)]
     if message is not None:
-        found.append((Level.BAD, "the run did not reach its end"))
-    if evidence.refinement is not None:
-        found += evidence.refinement.judged(SMALL_ERROR, LARGE_ERROR)
-    worst = worst_bond(bonds)
-    if worst is not None:
-        level = Level.GOOD
-        text = f"energy residual {worst.relative:.1e}"
-        if not worst.relative <= SMALL_RESIDUAL:
-            level = Level.DOUBTFUL if worst.relative <= LARGE_RESIDUAL else Level.BAD
-            text += f" at {worst.name}, more than {SMALL_RESIDUAL:g}"
-        found.append((level, text))
+        measured.insert(0, (Level.BAD, "the run did not reach its end"))
+    coupled = max((level for level, _ in measured), key=_ORDER.index, default=Level.UNKNOWN)
+    found = [*measured, *tested]
+    if not measured:
+        found.append((Level.UNKNOWN, "nothing measures the coupling of this system"))
+    advice = [limit.advice] if limit is not None and limit.close else []
+    if any(test.errors for test in evidence.tests.values()):
+        advice.append("have the FMU mended, or do not rely on what it got wrong")
+    if coupled is not Level.GOOD and not (limit and limit.close) and message is None:
+        advice.append(_advice(coupled, evidence))
+    found.sort(key=lambda item: -_ORDER.index(item[0]))
+    return Verdict(found[0][0], tuple(text for _, text in found), tuple(advice))
+
+
+def _energy(bonds: Sequence[BondResidual]) -> list[Said]:
+    """What the power bonds show."""
+    found = []
+    if worst := worst_bond(bonds):
+        level, text = _level(worst.relative, SMALL_RESIDUAL, LARGE_RESIDUAL), ""
+        if level is not Level.GOOD:
+            text = f" at {worst.name}, more than {SMALL_RESIDUAL:g}"
+        found.append((level, f"energy residual {worst.relative:.1e}{text}"))
     jumping = max(_carrying(bonds), key=lambda bond: bond.jumps, default=None)
     if jumping is not None and not jumping.jumps <= JUMPING:
         text = f"the force in {jumping.name} jumps to and fro from step to step"
         found.append((Level.BAD, text))
-    limit = evidence.limit
-    if limit is not None:
-        if limit.close:
-            level = Level.BAD if limit.share > 1.0 else Level.DOUBTFUL
-            found.append(
-                (
-                    level,
-                    f"the step is {limit.share:.2g} of the largest stable one, "
-                    f"{limit.largest:.2g} s, by {limit.connection}",
-                )
-            )
-            advice.append(limit.advice)
-        elif limit.share > 0.0:
-            found.append((Level.GOOD, f"the step is {limit.share:.2g} of the largest stable one"))
-        else:
-            found.append((Level.GOOD, "no connection limits the step"))
-    measured = bool(found)
-    coupled = max((level for level, _ in found), key=_ORDER.index, default=Level.UNKNOWN)
-    found += _tests(evidence.tests)
-    if any(test.errors for test in evidence.tests.values()):
-        advice.append("have the FMU mended, or do not rely on what it got wrong")
-    if not measured:
-        found.append((Level.UNKNOWN, "nothing measures the coupling of this system"))
-    level = max((level for level, _ in found), key=_ORDER.index)
-    if coupled is not Level.GOOD and not (limit and limit.close) and message is None:
-        advice.append(_advice(coupled, evidence))
-    found.sort(key=lambda item: -_ORDER.index(item[0]))
-    return Verdict(level, tuple(text for _, text in found), tuple(advice))
+    return found
+
+
+def _limit(limit: StepLimit | None) -> list[Said]:
+    """What the step over the largest stable one means."""
+    if limit is None:
+        return []
+    if limit.close:
+        text = (
+            f"the step is {limit.share:.2g} of the largest stable one, {limit.largest:.2g} s, by "
+            f"{limit.connection}"
+        )
+        return [(Level.BAD if limit.share > 1.0 else Level.DOUBTFUL, text)]
+    if limit.share > 0.0:
+        return [(Level.GOOD, f"the step is {limit.share:.2g} of the largest stable one")]
+    return [(Level.GOOD, "no connection limits the step")]
+
+
+def _refinement(refinement: Refinement | None) -> list[Said]:
+    """What smaller steps and the monolithic twin mean."""
+    if refinement is None:
+        return []
+    found = []
+    if worst := refinement.worst:
+        text = f"error of {worst.name} about {_percent(worst.rms)} of its rms"
+        if worst.converges and worst.order > 0.0:
+            text += f" (order {worst.order:.1f})"
+        found.append((_level(worst.rms, SMALL_ERROR, LARGE_ERROR), text))
+    erring = [e for e in refinement.errors if not e.converges and e.rms > SMALL_ERROR]
+    if erring:
+        names = ", ".join(e.name for e in erring[:3]) + (" ..." if erring[3:] else "")
+        text = (
+            f"smaller steps do not converge (no order observed) in {names}: the motion is chaotic "
+            "or sticks and slips at other times, and only its statistics can be relied on"
+        )
+        found.append((Level.DOUBTFUL, text))
+    if refinement.twin:
+        worst = max(refinement.twin, key=lambda error: error.rms)
+        text = (
+            f"{_percent(worst.rms)} at most from the monolithic twin ({worst.name}, first "
+            f"{refinement.twin_span:g} s)"
+        )
+        found.append((_level(worst.rms, SMALL_ERROR, LARGE_ERROR), text))
+    return found
+
+
+def _level(share: float, small: float, large: float) -> Level:
+    """What an error means; one that is no number is bad."""
+    if share <= small:
+        return Level.GOOD
+    return Level.DOUBTFUL if share <= large else Level.BAD
+
+
+def _percent(share: float) -> str:
+    """A share in words: 0.0031 is "0.31 %"."""
+    return f"{100.0 * share:.2g} %"
 
 
 def worst_bond(bonds: Sequence[BondResidual]) -> BondResidual | None:

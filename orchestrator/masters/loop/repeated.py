@@ -9,12 +9,11 @@ import numpy as np
 from numba.extending import register_jitable
 
 from ...errors import CouplingError
-from ...plan.graph import strong_parts
 from ...plan.plan import Link, Plan
 from ...slaves import calls as ffi
 from ...slaves.base import Slave
 from ..base import Prepared
-from ..coupling import continuous, interpolated
+from ..coupling import continuous, dependent, interpolated
 from .arrays import Ints, addresses, ints, starts
 from .packets import Feed, Packets, feed, fill_inputs, packets, send, send_rates
 from .quasi_newton import begin_step, improve, settled, unknowns, worst
@@ -142,20 +141,14 @@ def prepare(
 
 def _parts(plan: Plan, rigid: set[int]) -> tuple[list[list[int]], set[Link]]:
     """Parts in order, and the links that are cut: of `rigid` slaves, and of discrete values."""
-    instances = range(len(plan.names))
-
-    def parted(cut: set[Link]) -> list[list[int]]:
-        sources = {i: [k.source for k in plan.links_of(i) if k not in cut] for i in instances}
-        return strong_parts(instances, sources)
-
     cut = {link for link in plan.links if not continuous(link)}
-    part_of = {i: n for n, part in enumerate(parted(cut)) for i in part}
+    part_of = {i: n for n, part in enumerate(dependent(plan, cut)) for i in part}
     cut |= {
         link
         for link in plan.links
         if part_of[link.source] == part_of[link.target] and link.source in rigid
     }
-    return parted(cut), cut
+    return dependent(plan, cut), cut
 
 
 def _inside(plan: Plan, part: Sequence[int], cut: set[Link]) -> list[Link]:

@@ -13,7 +13,9 @@ from click.testing import CliRunner, Result
 
 from fmus.catalogue import fmu_path
 from orchestrator import Component, System, simulate
-from orchestrator.trust import CHECKS, self_tests, tested
+from orchestrator.trust import tested
+from orchestrator.trust.findings import CHECKS
+from orchestrator.trust.tested import self_tests
 from support.mishap import KINDS, mishap
 from support.native_slaves import DAMPER, archive, build_damper, description, library
 from tracktrain.cli.main import main

@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from orchestrator import BondResidual
-from orchestrator.trust import Evidence, Finding, SelfTest
-from orchestrator.trust.findings import Error, Refinement, StepLimit
+from orchestrator.trust.findings import Error, Evidence, Finding, Refinement, SelfTest, StepLimit
 from orchestrator.trust.verdict import judge
 
 PASSED = {"a": SelfTest("a.fmu", ("rollback",))}
