@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
 
-from ..masters.base import masters
+from ..masters.base import all_masters
 
 VERSION = 1
 """Of the checks: results of another version are not used."""
@@ -84,7 +84,7 @@ class StepLimit:
     @property
     def advice(self) -> str:
         """What to do about a step that is close to the limit."""
-        following = [f"{m.name} {m.follows}" for m in masters().values() if m.follows]
+        following = [f"{m.name} {m.follows}" for m in all_masters().values() if m.follows]
         return (
             f"take at most {MARGIN * self.largest:.2g} s, or a master that follows the loop "
             f"({', '.join(following)})"

@@ -25,7 +25,7 @@ import sys
 sys.path.insert(0, {tests!r})
 from coupled_mocks import oscillator
 from orchestrator import simulate
-from orchestrator.masters.base import Master, Prepared, masters
+from orchestrator.masters.base import Master, Prepared, all_masters
 from orchestrator.masters.loop import held
 from orchestrator.masters.loop.record import at
 from orchestrator.masters.loop.tables import macro_loop
@@ -45,7 +45,7 @@ class LookingBack(Master):
     def prepare(self, plan, slaves):
         return Prepared(advance, held.prepare(plan, slaves).tables, behind=4)
 
-masters()["looking-back"] = LookingBack
+all_masters()["looking-back"] = LookingBack
 try:
     simulate(oscillator(), duration=20, step=0.01, master="looking-back", out={out!r},
              memory=20e3, compiled={compiled})
