@@ -23,7 +23,7 @@ def outcome(code: str, folder: Path) -> str:
 LOOKING_BACK = """
 import sys
 sys.path.insert(0, {tests!r})
-from coupled_mocks import oscillator
+from support.coupled_models import oscillator
 from orchestrator import simulate
 from orchestrator.masters.base import Master, Prepared, all_masters
 from orchestrator.masters.loop import held
@@ -68,7 +68,7 @@ else:
 def test_master_that_looks_too_far_back_is_told_and_reads_no_foreign_memory(
     compiled, rows, after, said, tmp_path
 ):
-    tests, out = str(Path(__file__).parent), str(tmp_path)
+    tests, out = str(Path(__file__).parents[2]), str(tmp_path)
     script = LOOKING_BACK.format(tests=tests, rows=rows, after=after, out=out, compiled=compiled)
     assert said in outcome(script, tmp_path)
 
