@@ -11,6 +11,15 @@ from ..errors import (
     InitializationError,
     SlaveError,
 )
+from ..masters.loop.packets import feed, set_inputs
+from ..masters.loop.record import record_of
+from ..masters.loop.refresh import (
+    LOOP_PASSES,
+    LOOP_TOLERANCE,
+    refresh_outputs,
+    refresh_table,
+)
+from ..masters.loop.tables import LOOP, all_columns, calls, read_early
 from ..plan.plan import Plan
 from ..slaves.base import Slave
 
@@ -26,10 +35,6 @@ def settle(plan: Plan, slaves: Sequence[Slave]) -> NDArray[np.float64]:
 
     Raises InitializationError naming the variables that do not settle or are not finite.
     """
-    from ..masters.loop.packets import feed, set_inputs
-    from ..masters.loop.record import record_of
-    from ..masters.loop.refresh import LOOP_TOLERANCE, refresh_outputs, refresh_table
-    from ..masters.loop.tables import LOOP, all_columns, calls, read_early
 
     table = calls(plan, slaves, all_columns(plan))
     inputs = feed(plan, [plan.links_of(i) for i in range(len(slaves))])
@@ -71,7 +76,6 @@ def settle(plan: Plan, slaves: Sequence[Slave]) -> NDArray[np.float64]:
 
 def loop_failure(plan: Plan, report: NDArray[np.int64]) -> str:
     """What to say of an algebraic loop that a report names."""
-    from ..masters.loop.refresh import LOOP_PASSES
 
     guessed = plan.loops[int(report[2])].guessed
     names = [f"{plan.names[i]}.{name}" for i, name in guessed]

@@ -55,7 +55,6 @@ def verify(
     run: Run | None = None,
     progress: Progress | None = None,
     logger: Logger | None = None,
-    session: Session | None = None,
     **given: Any,
 ) -> Run:
     """The run that `simulate` makes of the same, with its errors in `evidence.refinement`.
@@ -69,7 +68,7 @@ def verify(
     start, duration, step = settings.span(system.experiment)
     names = _chosen(system, outputs)
     if run is None:
-        run = simulate(system, master, settings, progress=progress, logger=logger, session=session)
+        run = simulate(system, master, settings, progress=progress, logger=logger)
     notes: list[str] = []
     errors: list[Error] = []
     if run.completed:

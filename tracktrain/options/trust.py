@@ -60,7 +60,7 @@ def trusted(options: dict[str, Any]) -> dict[str, Any]:
 
 def shown(system: System) -> list[str] | None:
     """Outputs of the table that a run ends with, which the system has; None without any."""
-    from orchestrator.plan.plan import component_description
+    from orchestrator import component_description
 
     found = []
     for output in layout_of(system).printed:
