@@ -19,10 +19,7 @@ from rich.console import Console
 from rich.table import Table
 
 from fmus.catalogue import fmu_path
-from fmus.export.compiler import (
-    compiler_command,
-    host_target,
-)
+from fmus.export.compiler import compiler_command, host_target
 
 HERE = Path(__file__).parent
 RESULT = HERE / "results" / "fmu_step.md"

@@ -23,12 +23,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from orchestrator import (
-    Component,
-    Connection,
-    System,
-    simulate,
-)
+from orchestrator import Component, Connection, System, simulate
 
 HERE = Path(__file__).parent
 BLOCKS, STEPS, STEP = 8, 8000, 1e-3

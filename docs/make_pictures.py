@@ -13,13 +13,7 @@ from matplotlib.figure import Figure
 
 from orchestrator import simulate
 from tracktrain.car.hopper import hopper_car
-from tracktrain.plots import (
-    BLUE,
-    INK,
-    RED,
-    STYLE,
-    plot_displacement,
-)
+from tracktrain.plots import BLUE, INK, RED, STYLE, plot_displacement
 from tracktrain.scales import FOOT
 
 PICTURES = Path(__file__).parent / "pictures"

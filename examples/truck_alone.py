@@ -8,17 +8,8 @@ from __future__ import annotations
 import sys
 
 from fmus.catalogue import fmu_path
-from orchestrator import (
-    Component,
-    Connection,
-    Experiment,
-    System,
-    simulate,
-)
-from orchestrator.ssp import (
-    read_ssp,
-    write_ssp,
-)
+from orchestrator import Component, Connection, Experiment, System, simulate
+from orchestrator.ssp import read_ssp, write_ssp
 
 MOTION, LOADS = ("y", "yaw", "vy", "wz"), ("load_left", "load_right")
 

@@ -14,7 +14,6 @@ from .names import NAMES, SUFFIX
 
 PACKAGE = Path(__file__).parent
 
-
 STAMP = "sources.sha256"
 
 

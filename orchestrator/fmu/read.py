@@ -22,9 +22,7 @@ from .units import definitions
 
 DESCRIPTION = "modelDescription.xml"
 
-
 FAILURES = ("logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal")
-
 
 _INTERFACES = {
     CO_SIMULATION: "CoSimulation",

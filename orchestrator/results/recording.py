@@ -13,10 +13,7 @@ from ..masters.base import Prepared
 from ..masters.loop.record import Record, at, record_of
 from ..plan.plan import Plan
 from ..run.grid import Grid
-from .energy import (
-    BondResidual,
-    BondSums,
-)
+from .energy import BondResidual, BondSums
 from .sink import Sink
 
 BLOCK = 2048

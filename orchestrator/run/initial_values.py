@@ -7,18 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import (
-    InitializationError,
-    SlaveError,
-)
+from ..errors import InitializationError, SlaveError
 from ..masters.loop.packets import feed, set_inputs
 from ..masters.loop.record import record_of
-from ..masters.loop.refresh import (
-    LOOP_PASSES,
-    LOOP_TOLERANCE,
-    refresh_outputs,
-    refresh_table,
-)
+from ..masters.loop.refresh import LOOP_PASSES, LOOP_TOLERANCE, refresh_outputs, refresh_table
 from ..masters.loop.tables import LOOP, all_columns, calls, read_early
 from ..plan.plan import Plan
 from ..slaves.base import Slave

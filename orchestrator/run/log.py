@@ -8,10 +8,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TextIO
 
-from ..errors import (
-    LogError,
-    choices,
-)
+from ..errors import LogError, choices
 from ..slaves.listener import Listener
 
 LEVELS = {"all": 0, "warning": 1, "error": 3}

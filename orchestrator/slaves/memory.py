@@ -42,7 +42,6 @@ def _typed_bits(typing_context: Any, number: Any) -> Any:
 pointer: Any = intrinsic(_typed_pointer)
 bits: Any = intrinsic(_typed_bits)
 
-
 F8, F4, I1, U1, I2, U2, I4, U4, I8, U8 = TYPES
 
 

@@ -38,7 +38,6 @@ SLOPE = 1e-4
 DIFFERENCE = 1e-6
 """Half the distance of a central difference, relative to the input's value or 1."""
 
-
 Open = Callable[[], Probe]
 """Makes a probe at its start."""
 

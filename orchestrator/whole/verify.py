@@ -33,14 +33,11 @@ from .monolith import monolith
 ORDERS = (0.5, 4.5)
 """Observed orders that count as such."""
 
-
 ROUNDING = 1e-12
 """Difference of two runs, over the output's rms, that is rounding."""
 
-
 TWIN = 1.0
 """Time over which a run is compared with its monolithic twin [s], which is slow."""
-
 
 Array = NDArray[np.float64]
 

@@ -35,7 +35,6 @@ WHEEL_RADIUS = 0.42
 DRAWN = 0.6
 """Largest displacement in the drawing [m]."""
 
-
 RIM = [
     (WHEEL_RADIUS * float(np.cos(a)), WHEEL_RADIUS * float(np.sin(a)))
     for a in np.linspace(0, 2 * np.pi, 25)

@@ -52,7 +52,6 @@ KINDS = ("rms", "peak")
 
 Array = np.ndarray
 
-
 ALIGNMENT = ("y_left", "y_right")
 """Rails whose mean is the alignment."""
 
