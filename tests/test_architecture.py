@@ -43,12 +43,6 @@ COMPILED = {"register_jitable", "macro_loop", "c_function"}
 """Decorators of compiled code, which is not called by people and has no objects to take."""
 
 
-def packages(**unfinished: str) -> list:
-    """The packages; those that do not hold a claim yet are marked with what is to be done."""
-    marks = {p: [pytest.mark.xfail(strict=True, reason=why)] for p, why in unfinished.items()}
-    return [pytest.param(package, marks=marks.get(package, [])) for package in PACKAGES]
-
-
 @pytest.mark.parametrize(
     ("package", "stranger"),
     [
@@ -95,10 +89,7 @@ def test_tracktrain_imports_the_orchestrator_by_its_public_names():
     assert private == []
 
 
-@pytest.mark.parametrize(
-    "package",
-    packages(),
-)
+@pytest.mark.parametrize("package", PACKAGES)
 def test_imports_stand_at_the_top_of_a_file_but_where_a_door_is_lazy(package):
     hidden = [
         f"{source.place}:{i.line} imports {i.module}"
@@ -114,12 +105,7 @@ def test_every_door_is_used():
     assert [door for door in DOORS if not any(fnmatch(place, door) for place in lazy)] == []
 
 
-@pytest.mark.parametrize(
-    "package",
-    packages(
-        tracktrain="door: options/chosen.py, cli/commands/run.py",
-    ),
-)
+@pytest.mark.parametrize("package", PACKAGES)
 def test_functions_fit_a_screen_and_take_few_parameters(package):
     def too_much(function: ast.FunctionDef) -> bool:
         names = {

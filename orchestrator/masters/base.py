@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import Field, dataclass, field, fields
 from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
@@ -146,8 +146,8 @@ def master_named(name: str, **options: Any) -> Master:
             raise CouplingError(
                 f"no master has an option '{option_name}'; {choices(option_name, known)}"
             )
-        default, having = known[option_name]
-        if option_name not in own and value != default:
+        stated, having = known[option_name]
+        if option_name not in own and value != stated.default:
             raise CouplingError(
                 f"the master '{name}' has no option '{option_name}'; choose {', '.join(having)}, "
                 "or leave it out"
@@ -155,10 +155,9 @@ def master_named(name: str, **options: Any) -> Master:
     return all_masters()[name](**{n: v for n, v in options.items() if n in own})
 
 
-def options_of_masters() -> Mapping[str, tuple[Any, list[str]]]:
-    """The usual value of each option, and the masters that have it."""
-    found: dict[str, tuple[Any, list[str]]] = {}
-    for name, kind in all_masters().items():
-        for f in fields(kind):
-            found.setdefault(f.name, (f.default, []))[1].append(name)
-    return found
+def options_of_masters() -> Mapping[str, tuple[Field[Any], list[str]]]:
+    """Each option's field, and the masters that have it."""
+    kinds = all_masters()
+    stated = {f.name: f for name in sorted(kinds) for f in fields(kinds[name])}
+    having = {n: [name for name, kind in kinds.items() if hasattr(kind, n)] for n in stated}
+    return {n: (f, having[n]) for n, f in stated.items()}

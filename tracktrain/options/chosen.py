@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.core import ParameterSource
 
-from ..car.hopper import instances
+from ..car.hopper import REPORT_SPEED, instances
 from ..errors import TracktrainError
 from .car import car_option, seed_option, set_option, speed_option, swap_option, track_option
+from .fields import adding
 from .types import Assignment, Quantity
 
 if TYPE_CHECKING:
     from orchestrator import PortMap, System
 
-Command = TypeVar("Command", bound=Callable[..., Any])
 Assigned = tuple[str, str, str]
 
 DURATION, STEP = 8.0, 1e-3
@@ -66,53 +66,52 @@ _OPTIONS = (
 )
 
 
-def system_options(command: Command) -> Command:
-    """Add the options that shape a system and its run."""
-    for option in reversed(_OPTIONS):
-        command = option(command)
-    return command
+system_options = adding(_OPTIONS)
 
 
-def chosen_car(
-    car: str,
-    speed: float,
-    track: str,
-    seed: int,
-    duration: float | None,
-    step: float | None,
-    settings: Sequence[Assigned],
-    initials: Sequence[Assigned],
-    swaps: Sequence[Assigned],
-    maps: Sequence[Assigned],
-) -> System:
+@dataclass(frozen=True)
+class Shape:
+    """What the options that shape a system and its run meant; times [s], speed [m/s]."""
+
+    car: str = "loaded"
+    speed: float = REPORT_SPEED
+    track: str = "report"
+    seed: int = 1
+    duration: float | None = None
+    step: float | None = None
+    settings: Sequence[Assigned] = ()
+    initials: Sequence[Assigned] = ()
+    swaps: Sequence[Assigned] = ()
+    maps: Sequence[Assigned] = ()
+
+    @classmethod
+    def taken(cls, options: dict[str, Any]) -> Shape:
+        """Take what the options say out of a command's."""
+        return cls(**{f.name: options.pop(f.name) for f in fields(cls) if f.name in options})
+
+
+def chosen_car(shape: Shape) -> System:
     """The hopper car that the options mean, with its experiment."""
     from orchestrator import Experiment
 
     from ..car import changes, hopper
 
-    system = hopper.hopper_car(car, speed, track, seed)
+    system = hopper.hopper_car(shape.car, shape.speed, shape.track, shape.seed)
     notes = []
-    port_maps = _port_maps(maps, swaps)
-    for instance, _, path in swaps:
+    port_maps = _port_maps(shape)
+    for instance, _, path in shape.swaps:
         system, said = changes.swapped(system, instance, Path(path), port_maps.get(instance))
         notes += said
-    for instance, coordinate, value in initials:
+    for instance, coordinate, value in shape.initials:
         system = changes.displaced(system, instance, coordinate, value)
-    for instance, name, value in settings:
+    for instance, name, value in shape.settings:
         system = changes.assigned(system, instance, name, value)
     system = replace(system, notes=tuple(notes), experiment=Experiment(0.0, DURATION, STEP))
-    return _timed(system, duration, step)
+    return _timed(system, shape)
 
 
 def chosen_file(
-    path: Path,
-    variant: str | None,
-    duration: float | None,
-    step: float | None,
-    settings: Sequence[Assigned],
-    swaps: Sequence[Assigned],
-    maps: Sequence[Assigned],
-    unpacked: Path | None = None,
+    path: Path, variant: str | None, shape: Shape, unpacked: Path | None = None
 ) -> System:
     """The system of an .ssp or .ssd file, changed as the options say.
 
@@ -123,18 +122,18 @@ def chosen_file(
     from ..car import changes
 
     system = read_ssp(path, variant, folder=unpacked)
-    for instance, name, value in settings:
+    for instance, name, value in shape.settings:
         system = changes.assigned(system, instance, name, value)
-    port_maps = _port_maps(maps, swaps)
-    for instance, _, fmu in swaps:
+    port_maps = _port_maps(shape)
+    for instance, _, fmu in shape.swaps:
         ports, _ = changes.seen(system, instance, Path(fmu), port_maps.get(instance))
         system = system.with_fmu(instance, Path(fmu), ports)
         if ports is not None and ports.rates:
             note = f"{fmu} as {instance}: {changes.differentiated(ports)}"
             system = replace(system, notes=(*system.notes, note))
-    if duration is None and system.experiment.stop is None:
+    if shape.duration is None and system.experiment.stop is None:
         raise TracktrainError(f"'{path}' does not say how long to run; give --duration")
-    return _timed(system, duration, step)
+    return _timed(system, shape)
 
 
 def refuse_options(ctx: click.Context, names: Iterable[str], reason: str) -> None:
@@ -149,27 +148,27 @@ def refuse_options(ctx: click.Context, names: Iterable[str], reason: str) -> Non
         raise TracktrainError(f"{reason}; leave out {' and '.join(given)}")
 
 
-def _port_maps(maps: Sequence[Assigned], swaps: Sequence[Assigned]) -> dict[str, PortMap]:
+def _port_maps(shape: Shape) -> dict[str, PortMap]:
     """The maps by instance; TracktrainError for one without an FMU to look into."""
     from orchestrator import read_port_map
 
-    replaced = [instance for instance, _, _ in swaps]
-    for instance, _, path in maps:
+    replaced = [instance for instance, _, _ in shape.swaps]
+    for instance, _, path in shape.maps:
         if instance not in replaced:
             raise TracktrainError(
                 f"the map '{path}' is for {instance}, which no --swap replaces; add "
                 f"--swap {instance}=FMU"
             )
-    return {instance: read_port_map(path) for instance, _, path in maps}
+    return {instance: read_port_map(path) for instance, _, path in shape.maps}
 
 
-def _timed(system: System, duration: float | None, step: float | None) -> System:
+def _timed(system: System, shape: Shape) -> System:
     """The system with the duration and the step [s] that were given in its experiment."""
     from orchestrator import Experiment
 
-    start = system.experiment.start or 0.0
+    start, duration = system.experiment.start or 0.0, shape.duration
     stop = start + duration if duration is not None else system.experiment.stop
-    size = next(s for s in (step, system.experiment.step, STEP) if s is not None)
+    size = next(s for s in (shape.step, system.experiment.step, STEP) if s is not None)
     if stop is not None and size > stop - start:
         raise TracktrainError(
             f"a step of {size:g} s is longer than the run of {stop - start:g} s; "

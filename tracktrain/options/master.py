@@ -1,4 +1,4 @@
-"""Options of `tracktrain run` about how the FMUs are coupled."""
+"""Options of `tracktrain run` about how the FMUs are coupled: those that the masters have."""
 
 from __future__ import annotations
 
@@ -6,66 +6,29 @@ from typing import Any
 
 import click
 
-from .run import Command
+from orchestrator import all_masters, options_of_masters
+
+from .fields import adding, field_option
 from .types import Name
 
-MASTERS = ("one-pass", "jacobi", "gauss-seidel", "iterated")
-COUPLING = ("master", "order", "method", "tolerance", "iterations", "threads")
+MASTERS = tuple(all_masters())
+COUPLING = ("master", *options_of_masters())
 """Arguments of `orchestrator.simulate` that the options below are."""
 
-METHODS = ("broyden", "iqn-ils", "aitken", "fixed-point")
+USUAL = {"master": MASTERS[0], **{n: f.default for n, (f, _) in options_of_masters().items()}}
 
-_OPTIONS = (
-    click.option(
-        "--master",
-        type=Name("master", MASTERS),
-        default="one-pass",
-        show_default=True,
-        help="Coupling algorithm.",
-    ),
-    click.option(
-        "--order",
-        type=click.IntRange(0, 2),
-        default=0,
-        show_default=True,
-        help="Order to which jacobi and gauss-seidel extrapolate inputs over a macro step.",
-    ),
-    click.option(
-        "--method",
-        type=Name("method", METHODS),
-        default="broyden",
-        show_default=True,
-        help="How iterated solves for the inputs at the end of a macro step.",
-    ),
-    click.option(
-        "--tolerance",
-        type=click.FloatRange(0.0, min_open=True),
-        default=1e-8,
-        show_default=True,
-        help="Relative residual at which iterated is content.",
-    ),
-    click.option(
-        "--iterations",
-        type=click.IntRange(1),
-        default=100,
-        show_default=True,
-        help="How often iterated repeats a macro step at most.",
-    ),
-    click.option(
-        "--threads",
-        type=click.IntRange(1),
-        default=1,
-        show_default=True,
-        help="Threads that step the FMUs of jacobi at the same time; pays for many or slow FMUs.",
-    ),
+master_options = adding(
+    (
+        click.option(
+            "--master",
+            type=Name("master", MASTERS),
+            default=MASTERS[0],
+            show_default=True,
+            help="Coupling algorithm.",
+        ),
+        *(field_option(stated) for stated, _ in options_of_masters().values()),
+    )
 )
-
-
-def master_options(command: Command) -> Command:
-    """Add the options to a command, which gets them as keyword arguments."""
-    for option in reversed(_OPTIONS):
-        command = option(command)
-    return command
 
 
 def coupling(options: dict[str, Any]) -> dict[str, Any]:

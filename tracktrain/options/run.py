@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.core import ParameterSource
 
 from ..errors import TracktrainError, choices
+from .fields import SETTINGS, Option, adding, field_option
 from .types import Name, Quantity
 
 if TYPE_CHECKING:
@@ -20,84 +22,80 @@ if TYPE_CHECKING:
 RESUMED = ("resume", "csv", "page", "quiet", "log", "log_level")
 """Options that a run which goes on may still have."""
 
-Command = TypeVar("Command", bound=Callable[..., Any])
 
-_OPTIONS: tuple[Callable[[Any], Any], ...] = (
-    click.option(
-        "--record",
-        multiple=True,
-        metavar="PATTERN",
-        help="Keep the outputs whose names match, as in 'wheelset_*.force_y'. Repeatable.  "
-        "[default: all]",
-    ),
-    click.option(
-        "--every",
-        type=click.IntRange(min=1),
-        default=1,
-        show_default=True,
-        metavar="N",
-        help="Keep the rows at multiples of N macro steps.",
-    ),
-    click.option(
-        "--memory",
-        type=Quantity("memory", "byte", ("kB", "MB", "GB"), "200MB"),
-        default="200MB",
-        show_default=True,
-        metavar="SIZE",
-        help="Most that rows not yet in results.nc may take in memory.",
-    ),
-    click.option("--csv", is_flag=True, help="Write results.csv, too."),
-    click.option(
-        "--report", "page", is_flag=True, help="Write report.html, too: the run as one page."
-    ),
-    click.option(
-        "--checkpoint",
-        type=Quantity("time between checkpoints", "s", ("s", "min", "ms"), "10s"),
-        metavar="TIME",
-        help="Write a checkpoint whenever so much time was simulated, to go on from with --resume.",
-    ),
-    click.option(
-        "--isolate",
-        multiple=True,
-        metavar="INSTANCE|foreign|all",
-        help="Run the FMU of an instance in a process of its own, where a crash ends the run and "
-        "not the program; foreign: of all that are not tracktrain's own. Repeatable.",
-    ),
-    click.option(
-        "--timeout",
-        type=Quantity("timeout", "s", ("s", "min", "ms"), "60s"),
-        default="60s",
-        show_default=True,
-        metavar="TIME",
-        help="Longest wall time that a call of an isolated FMU may take.",
-    ),
-    click.option(
-        "--log",
-        type=click.Path(path_type=Path, dir_okay=False),
-        metavar="FILE",
-        help="Write what the FMUs say to FILE, each message at its simulated time.",
-    ),
-    click.option(
-        "--log-level",
-        type=Name("log level", ("all", "warning", "error")),
-        default="warning",
-        show_default=True,
-        help="Which messages; all has the FMUs say what they can. Without --log they are printed.",
-    ),
-    click.option(
-        "--resume",
-        type=click.Path(path_type=Path),
-        metavar="DIR",
-        help="Go on with the run whose results and checkpoint are in DIR, as it began.",
-    ),
+def _setting(name: str, **more: Any) -> Option:
+    return field_option(SETTINGS[name], **more)
+
+
+def _repeatable(name: str, then: str = "", **more: Any) -> Option:
+    told = f"{SETTINGS[name].metadata['help']} Repeatable.{then}"
+    return _setting(name, multiple=True, default=(), show_default=False, help=told, **more)
+
+
+TIMES = ("s", "min", "ms")
+
+run_options = adding(
+    (
+        _repeatable("record", "  [default: all]", metavar="PATTERN"),
+        _setting("every", metavar="N"),
+        _setting(
+            "memory",
+            type=Quantity("memory", "byte", ("kB", "MB", "GB"), "200MB"),
+            default="200MB",
+            metavar="SIZE",
+        ),
+        click.option("--csv", is_flag=True, help="Write results.csv, too."),
+        click.option(
+            "--report", "page", is_flag=True, help="Write report.html, too: the run as one page."
+        ),
+        _setting(
+            "checkpoint",
+            type=Quantity("time between checkpoints", "s", TIMES, "10s"),
+            show_default=False,
+            metavar="TIME",
+        ),
+        _repeatable("isolate", metavar="INSTANCE|foreign|all"),
+        _setting(
+            "timeout", type=Quantity("timeout", "s", TIMES, "60s"), default="60s", metavar="TIME"
+        ),
+        click.option(
+            "--log",
+            type=click.Path(path_type=Path, dir_okay=False),
+            metavar="FILE",
+            help="Write what the FMUs say to FILE, each message at its simulated time.",
+        ),
+        click.option(
+            "--log-level",
+            type=Name("log level", ("all", "warning", "error")),
+            default="warning",
+            show_default=True,
+            help="Which messages; all has the FMUs say what they can. Without --log they are "
+            "printed.",
+        ),
+        click.option(
+            "--resume",
+            type=click.Path(path_type=Path),
+            metavar="DIR",
+            help="Go on with the run whose results and checkpoint are in DIR, as it began.",
+        ),
+    )
 )
 
 
-def run_options(command: Command) -> Command:
-    """Add the options to a command, which gets them as keyword arguments."""
-    for option in reversed(_OPTIONS):
-        command = option(command)
-    return command
+@dataclass(frozen=True)
+class Kept:
+    """What is kept of a run beside results.nc, and what it goes on from."""
+
+    csv: bool
+    page: bool
+    resume: Path | None
+    log: Path | None
+    log_level: str
+
+    @classmethod
+    def taken(cls, options: dict[str, Any]) -> Kept:
+        """Take what options above say out of a command's."""
+        return cls(**{f.name: options.pop(f.name) for f in fields(cls)})
 
 
 def survival(options: dict[str, Any]) -> dict[str, Any]:

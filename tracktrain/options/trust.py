@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..car.hopper import layout_of
-from .run import Command
+from .fields import SETTINGS, adding
 from .types import Quantity
 
 if TYPE_CHECKING:
@@ -17,8 +17,7 @@ _OPTIONS = (
     click.option(
         "--self-test/--no-self-test",
         default=True,
-        help="Whether the FMUs are tested first, once each and then remembered, and the largest "
-        "stable step is predicted.  [default: they are]",
+        help=f"{SETTINGS['self_test'].metadata['help']}  [default: they are]",
     ),
     click.option(
         "--verify",
@@ -44,12 +43,7 @@ _OPTIONS = (
     ),
 )
 
-
-def trust_options(command: Command) -> Command:
-    """Add the options to a command, which gets them as keyword arguments."""
-    for option in reversed(_OPTIONS):
-        command = option(command)
-    return command
+trust_options = adding(_OPTIONS)
 
 
 def trusted(options: dict[str, Any]) -> dict[str, Any]:

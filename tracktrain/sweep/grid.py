@@ -8,8 +8,10 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..car.hopper import CARS, REPORT_SPEED, hopper_car
+from ..car.hopper import CARS, hopper_car
 from ..errors import choices
+from ..options.chosen import Shape
+from ..options.master import USUAL as COUPLED
 from ..terminal import Progress, unseen
 from .axes import Axis, Given, SweepError, make_axis, shaped
 from .store import Store
@@ -19,24 +21,7 @@ from .workers import rows
 if TYPE_CHECKING:
     import xarray as xr
 
-USUAL: dict[str, Any] = {
-    "car": "loaded",
-    "speed": REPORT_SPEED,
-    "track": "report",
-    "seed": 1,
-    "duration": None,
-    "step": None,
-    "settings": (),
-    "initials": (),
-    "swaps": (),
-    "maps": (),
-    "master": "one-pass",
-    "order": 0,
-    "method": "broyden",
-    "tolerance": 1e-8,
-    "iterations": 100,
-    "threads": 1,
-}
+USUAL: dict[str, Any] = {**vars(Shape()), **COUPLED}
 """What the runs of a sweep have in common, where it does not say otherwise: as `tracktrain run`."""
 
 

@@ -46,14 +46,13 @@ def run_one(options: Mapping[str, Any], outputs: Sequence[str] | None, reuse: bo
 
     from ..car.hopper import layout_of
     from ..failures import PACKAGES
-    from ..options.chosen import chosen_car
-    from ..options.master import COUPLING
+    from ..options.chosen import Shape, chosen_car
 
     begin = time.perf_counter()
-    car = {name: value for name, value in options.items() if name not in COUPLING}
-    coupled = {name: value for name, value in options.items() if name in COUPLING}
+    coupled = dict(options)
+    shape = Shape.taken(coupled)
     try:
-        system = chosen_car(**car)
+        system = chosen_car(shape)
         outputs = outputs or layout_of(system).printed
         run = simulate(
             system,

@@ -15,6 +15,7 @@ import xarray as xr
 from click.testing import CliRunner, Result
 
 from fmus.catalogue import fmu_path
+from orchestrator import Settings
 from tracktrain.cli.main import main
 
 SHORT = ("--duration", "0.3s", "--quiet")
@@ -63,14 +64,12 @@ def test_killed_run_goes_on_to_the_same_bits(tmp_path: Path) -> None:
 
 def test_foreign_fmus_alone_are_isolated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A copy of our own FMU is ours; one byte more makes it a stranger."""
-    from orchestrator.run import simulate as simulation
-
     seen: list[str] = []
-    check = simulation._check_isolated
+    check = Settings.check_isolated
     monkeypatch.setattr(
-        simulation,
-        "_check_isolated",
-        lambda names, system: (seen.extend(names), check(names, system)),
+        Settings,
+        "check_isolated",
+        lambda self, system: (seen.extend(self.isolate), check(self, system)),
     )
     ours, foreign = tmp_path / "ours.fmu", tmp_path / "foreign.fmu"
     ours.write_bytes(fmu_path("wheelrail").read_bytes())

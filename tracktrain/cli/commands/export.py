@@ -10,7 +10,7 @@ import click
 import orchestrator
 
 from ...errors import TracktrainError
-from ...options.chosen import chosen_car, system_options
+from ...options.chosen import Shape, chosen_car, system_options
 from ...options.types import Name
 
 
@@ -43,7 +43,7 @@ def command(file: Path, standard: str | None, changes_only: bool, **shape: Any) 
     """
     if file.suffix != ".ssp":
         raise TracktrainError(f"'{file}' is no name for an archive; it must end in .ssp")
-    system = chosen_car(**shape)
+    system = chosen_car(Shape.taken(shape))
     path = orchestrator.write_ssp(
         system, file, name=file.stem, version=standard, changes_only=changes_only
     )

@@ -16,9 +16,16 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
 import orchestrator
 
 from ...failures import Stopped, termination_as_interrupt
-from ...options.chosen import CAR_ONLY, chosen_car, chosen_file, refuse_options, system_options
+from ...options.chosen import (
+    CAR_ONLY,
+    Shape,
+    chosen_car,
+    chosen_file,
+    refuse_options,
+    system_options,
+)
 from ...options.master import coupling, master_options
-from ...options.run import RESUMED, isolated, logged, run_options, survival
+from ...options.run import RESUMED, Kept, isolated, logged, run_options, survival
 from ...options.trust import shown, trust_options, trusted
 from ...terminal import writable
 
@@ -69,13 +76,7 @@ def command(
     ssd: str | None,
     out: Path,
     quiet: bool,
-    csv: bool,
-    page: bool,
-    resume: Path | None,
-    isolate: tuple[str, ...],
-    log: Path | None,
-    log_level: str,
-    **shape: Any,
+    **options: Any,
 ) -> None:
     """Run the 80-ton hopper car, or the system of FILE; write results.nc and pictures.
 
@@ -83,7 +84,9 @@ def command(
     archive or a description (.ssd) of the standard SSP; it says itself what is to be run, and
     --set, --swap, --duration and --step change that.
     """
-    how, coupled, trust = survival(shape), coupling(shape), trusted(shape)
+    how, coupled, trust = survival(options), coupling(options), trusted(options)
+    kept, isolate, shape = Kept.taken(options), options.pop("isolate"), Shape.taken(options)
+    resume = kept.resume
     folder = writable(resume or out)
     start: Callable[..., Run]
     if resume is not None:
@@ -93,12 +96,11 @@ def command(
         start = partial(orchestrator.resume, resume)
     elif file is None:
         refuse_options(ctx, ["ssd"], "there is no file to choose a system of")
-        system = chosen_car(**shape)
+        system = chosen_car(shape)
     else:
         refuse_options(ctx, CAR_ONLY, f"the car is the one that '{file}' describes")
-        kept = folder / FMUS_OF_CHECKPOINT if how["checkpoint"] else None
-        changes = {k: v for k, v in shape.items() if k not in CAR_ONLY}
-        system = chosen_file(file, ssd, unpacked=kept, **changes)
+        unpacked = folder / FMUS_OF_CHECKPOINT if how["checkpoint"] else None
+        system = chosen_file(file, ssd, shape, unpacked)
     if resume is None:
         settings = {
             **how,
@@ -113,7 +115,7 @@ def command(
     span = (experiment.stop or 0.0) - (experiment.start or 0.0)
     with (
         _progress(span, quiet) as (stage, progress),
-        logged(ctx, log, log_level) as logger,
+        logged(ctx, kept.log, kept.log_level) as logger,
         termination_as_interrupt(),
     ):
         stage("running")
@@ -125,7 +127,7 @@ def command(
                 system, outputs=outputs, twin=trust["twin"], run=result, **settings
             )
         stage("writing")
-        lost = _write(result, folder, csv, page)
+        lost = _write(result, folder, kept.csv, kept.page)
     if result.completed:
         shutil.rmtree(folder / FMUS_OF_CHECKPOINT, ignore_errors=True)
     if not quiet:
