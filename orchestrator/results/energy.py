@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from ..plan.plan import Link
 from ..plan.bonds import Bond
+from ..plan.plan import Link
 
 
 @dataclass(frozen=True)

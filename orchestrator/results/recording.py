@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import RecordSizeError
+from ..errors import RecordSizeError, ResultsError
 from ..masters.base import Prepared
 from ..masters.loop.record import Record, at, record_of
 from ..plan.plan import Plan
@@ -43,6 +43,7 @@ class Recording:
         self._plan, self._grid = plan, grid
         self._constant, self._every, self._behind = constant, every, prepared.behind
         self.sinks: list[Sink] = []
+        self._full: list[Sink] = []
         columns = len(plan.columns)
         self._count = grid.steps + 1
         if memory is not None:
@@ -90,15 +91,26 @@ class Recording:
             before, after = max(first - 1, 0) - self.first, self._taken - self.first
             self._sums.add(self.rows[before:after], self.ends[before : after - 1])
             if self.sinks:
-                kept = self.kept(first, self._taken)
-                for sink in self.sinks:
-                    sink.append(kept)
+                self._give(self.kept(first, self._taken))
         self._flushed = time.perf_counter()
         if full:
             newest = self._newest(done)
             count = newest.stop - newest.start
             self.rows[:count], self.ends[:count] = self.rows[newest], self.ends[newest]
             self.first = done - count
+
+    def _give(self, rows: NDArray[np.float64]) -> None:
+        """Give rows to every sink; one that cannot go on gets no more, so that it has no gap."""
+        errors = []
+        for sink in self.sinks:
+            if sink not in self._full:
+                try:
+                    sink.append(rows)
+                except ResultsError as error:
+                    self._full.append(sink)
+                    errors.append(error)
+        if errors:
+            raise errors[0]
 
     def residuals(self) -> list[BondResidual]:
         """Energy residual of every bond, over the rows that were taken."""

@@ -96,7 +96,7 @@ class Checkpoints:
         self._said = {
             "format": FORMAT,
             "system": encode(context.system),
-            "master": encode(context.master),
+            "master": _written(context.master),
             "settings": encode(context.settings),
             "fmus": dict(zip(plan.names, (d.sha256 for d in plan.descriptions), strict=True)),
             "first_row": file.first_row,
@@ -172,6 +172,16 @@ def refuse_without_state(slaves: Sequence[Slave]) -> None:
             f"no checkpoints can be written: {', '.join(lacking)} cannot serialize the state "
             "(canSerializeFMUstate is not declared); run without checkpoints"
         )
+
+
+def _written(master: Master) -> Any:
+    try:
+        return encode(master)
+    except TypeError as error:
+        raise CheckpointError(
+            f"no checkpoints can be written with the master '{master.name}': {error}; run without "
+            "checkpoints"
+        ) from None
 
 
 def _carried(prepared: Prepared) -> Iterator[NDArray[Any]]:

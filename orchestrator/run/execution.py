@@ -7,11 +7,12 @@ import os
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack
+from functools import cached_property
 from typing import Self
 
 import numpy as np
 
-from ..errors import ResultsError, choices
+from ..errors import CouplingError, ResultsError, choices
 from ..fmu.description import Variable
 from ..masters.base import Master
 from ..plan.plan import make_plan
@@ -38,16 +39,15 @@ class Execution:
     """A system, a master and settings, run one macro step or all of them at a time.
 
     with Execution(system, OnePass(), Settings(duration=8.0)) as execution:
-        execution.prepare()
-        execution.initialise()
         while execution.step():
             print(execution.time, execution["truck_front.axle[1].y"])
         run = execution.finish()
 
-    logger: a `Log`, or a function; called with what FMUs say. session: keeps the FMUs loaded for
-    the next run, which resets them. sinks: take the rows as they are made. evidence: what is known
-    of the FMUs, to be set before `prepare`, and of the step, before the first one. Raises
-    OrchestratorError for what does not fit before the first step.
+    Each of the four does those before it that are not done yet. logger: a `Log`, or a function;
+    called with what FMUs say. session: keeps the FMUs loaded for the next run, which resets them.
+    sinks: take the rows as they are made. evidence: what is known of the FMUs, to be set before
+    `prepare`, and of the step, before the first one. Raises OrchestratorError for what does not fit
+    before the first step, and for a step after the end.
     """
 
     def __init__(
@@ -75,13 +75,14 @@ class Execution:
         self._session, self._sinks = session, list(sinks)
         self._stepper: Stepper | None = None
         self._row = 0
+        self._initialised = self._ended = False
         self._open = ExitStack()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._open.close()
+        self._end()
 
     def prepare(self) -> None:
         """Load the instances and give them their start values."""
@@ -107,6 +108,8 @@ class Execution:
     def initialise(self) -> None:
         """Bring all values at the start into agreement, and have the master ready to step."""
         c = self.context
+        if not c.slaves:
+            self.prepare()
         for slave in c.slaves:
             slave.start(c.grid.start, c.grid.stop)
         self._texts = Texts(c.plan, c.slaves, c.settings.out)
@@ -119,6 +122,7 @@ class Execution:
         self.first_row = settle(c.plan, c.slaves)
         c.prepared = c.master.prepare(c.plan, c.slaves)
         self._open.callback(self._free_states)
+        self._initialised = True
 
     def run(self, progress: Progress | None = None) -> Outcome | None:
         """Step to the end, or to what stops it: why, else None."""
@@ -143,13 +147,17 @@ class Execution:
 
     def __getitem__(self, name: str) -> float:
         """Value of an output "instance.variable" at `time`; raises ResultsError."""
+        if name not in self._columns:
+            raise ResultsError(f"there is no output '{name}'; {choices(name, self._columns)}")
+        if not self._initialised:
+            self.initialise()
+        row = self.first_row if self._stepper is None else self._recording.row(self._row)
+        return float(row[self._columns[name]])
+
+    @cached_property
+    def _columns(self) -> dict[str, int]:
         plan = self.context.plan
-        names = {plan.name(i, v): n for n, (i, v) in enumerate(plan.columns)}
-        if name not in names:
-            raise ResultsError(f"there is no output '{name}'; {choices(name, names)}")
-        if self._stepper is None:
-            return float(self.first_row[names[name]])
-        return float(self._recording.row(self._row)[names[name]])
+        return {plan.name(i, v): n for n, (i, v) in enumerate(plan.columns)}
 
     def residuals(self) -> list[BondResidual]:
         """Energy that the two sides of each power bond disagree about, so far."""
@@ -173,7 +181,7 @@ class Execution:
         share = stepper.share_inside() if c.settings.measure else None
         if message is None and self._logger is None:
             self._loaded.keep(c.slaves)
-        self._open.close()
+        self._end()
         done, wall = stepper.rows_done, stepper.wall
         table = self._file.read() if self._file else self._recording.kept(0, done)
         ended = {VERDICT: verdict, STOPPED: message}
@@ -200,8 +208,12 @@ class Execution:
 
     def _ready(self) -> Stepper:
         """What steps; before the first step, the record is begun, or gone on with."""
+        if self._ended:  # the instances are freed: a call to one would end the program
+            raise CouplingError("the run has ended; make another execution to run again")
         if self._stepper is not None:
             return self._stepper
+        if not self._initialised:
+            self.initialise()
         c, resumed = self.context, self._resumed
         self._recording = recording = self._begun()
         if resumed is None:
@@ -263,6 +275,10 @@ class Execution:
         plan = self.context.plan
         kept = [*(plan.columns[n] for n in plan.recorded), *plan.open_inputs]
         return [(plan.name(i, v), v) for i, v in kept]
+
+    def _end(self) -> None:
+        self._ended = True
+        self._open.close()
 
     def _free_states(self) -> None:
         c = self.context

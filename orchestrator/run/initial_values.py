@@ -27,7 +27,6 @@ def settle(plan: Plan, slaves: Sequence[Slave]) -> NDArray[np.float64]:
 
     Raises InitializationError naming the variables that do not settle or are not finite.
     """
-
     table = calls(plan, slaves, all_columns(plan))
     inputs = feed(plan, [plan.links_of(i) for i in range(len(slaves))])
     refresh = refresh_table(plan, table)
@@ -68,7 +67,6 @@ def settle(plan: Plan, slaves: Sequence[Slave]) -> NDArray[np.float64]:
 
 def loop_failure(plan: Plan, report: NDArray[np.int64]) -> str:
     """What to say of an algebraic loop that a report names."""
-
     guessed = plan.loops[int(report[2])].guessed
     names = [f"{plan.names[i]}.{name}" for i, name in guessed]
     return (

@@ -70,13 +70,16 @@ def verify(
     errors: list[Error] = []
     if run.completed:
         # The rows of all runs at the times that the coarsest has, whatever it kept of them.
-        again = Settings(
+        again = replace(
+            settings,
             duration=duration,
             start=start,
             record=tuple(names),
-            isolate=settings.isolate,
-            timeout=settings.timeout,
-            compiled=settings.compiled,
+            out=None,
+            checkpoint=None,
+            self_test=False,
+            measure=False,
+            command=None,
         )
         with Session() as session:
             coarse, *finer = (

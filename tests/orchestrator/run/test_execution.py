@@ -137,6 +137,43 @@ def test_a_sink_that_cannot_go_on_ends_the_run_with_what_there_is():
     assert run.message == "the shelf is full; stopped at t = 1 s"
 
 
+@pytest.mark.parametrize("place", [0, 1])
+def test_a_full_sink_has_no_gap_and_takes_no_rows_from_the_others(place):
+    """Rows come in blocks of 2048."""
+    taken: list[np.ndarray] = []
+    kept: list[np.ndarray] = []
+
+    def once(columns, rows):
+        if kept:
+            raise ResultsError("the shelf is full")
+        kept.append(rows.copy())
+
+    sinks = [Callback(lambda columns, rows: taken.append(rows.copy()))]
+    sinks.insert(place, Callback(once))
+    run = simulate(oscillator(), OnePass(), Settings(duration=6.0, step=1e-3), sinks=sinks)
+    assert run.outcome is not None and run.outcome.kind is Kind.UNWRITTEN
+    assert np.array_equal(np.vstack(taken)[:, 0], run.time)
+    assert np.array_equal(np.vstack(kept)[:, 0], run.time[: len(kept[0])])
+
+
+def test_a_step_does_what_must_be_done_before_it():
+    whole = simulate(oscillator(), OnePass(), SETTINGS)
+    with Execution(oscillator(), OnePass(), SETTINGS) as execution:
+        assert execution["one.x"] == whole.dataset["one.x"].values[0]
+        while execution.step():
+            pass
+        run = execution.finish()
+    assert run.record.tobytes() == whole.record.tobytes()
+
+
+def test_instances_that_are_freed_are_not_stepped():
+    with Execution(oscillator(), OnePass(), SETTINGS) as execution:
+        execution.step()
+        execution.finish()
+        with pytest.raises(CouplingError, match="the run has ended"):
+            execution.step()
+
+
 def test_a_checkpoint_keeps_master_and_settings_as_they_were(tmp_path):
     """A run that is interrupted leaves its last checkpoint."""
     system = System({"track": Component(fmu_path("track"))})
