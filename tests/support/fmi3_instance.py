@@ -7,7 +7,6 @@ intermediate updates, so that the same tests run over both versions.
 from __future__ import annotations
 
 import ctypes
-import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -17,7 +16,7 @@ from typing import Any
 from fmpy import extract, read_model_description
 from fmpy.fmi3 import FMU3Slave
 
-from support.fmu_instance import FmuInstance
+from support.fmu_instance import FmuInstance, Instance
 
 INDICATORS = "event_indicator"
 TYPES = {"Float64": "Real", "Int32": "Integer"}
@@ -194,8 +193,8 @@ def _element(variable: Any, number: int) -> str:
     return f"{name.removesuffix(')')}[{number}]" + (")" if name.endswith(")") else "")
 
 
-class Fmi3Instance:
-    """An instantiated FMU that keeps what it logs in `messages`."""
+class Fmi3Instance(Instance):
+    """One of FMI 3.0; an array is its elements."""
 
     def __init__(self, path: Path, name: str = "instance", guid: str | None = None) -> None:
         self.description = read_model_description(str(path))
@@ -215,21 +214,6 @@ class Fmi3Instance:
 
     def _log(self, _env, _status, _category, message) -> None:
         self.messages.append(message.decode())
-
-    def vr(self, *names: str) -> list[Any]:
-        return [self.variables[name].valueReference for name in names]
-
-    def set(self, values: Mapping[str, float]) -> None:
-        self.slave.setReal(self.vr(*values), list(values.values()))
-
-    def get(self, *names: str) -> list[float]:
-        return list(self.slave.getReal(self.vr(*names)))
-
-    def outputs(self) -> list[float]:
-        return self.get(*self.names("output"))
-
-    def names(self, causality: str) -> list[str]:
-        return [v.name for v in self.variables.values() if v.causality == causality]
 
     def declared(self) -> dict[str, set[str]]:
         """The inputs that each output is declared to depend on; an array's elements are one."""
@@ -259,18 +243,6 @@ class Fmi3Instance:
         for i, reference, j in zip(element, other, other_element, strict=True):
             found[_element(variable, i)].add(_element(by_reference[reference], j))
         return found
-
-    def initialize(self, parameters: Mapping[str, float] | None = None) -> Fmi3Instance:
-        self.slave.setupExperiment(startTime=0.0)
-        if parameters:
-            self.set(parameters)
-        self.slave.enterInitializationMode()
-        self.slave.exitInitializationMode()
-        return self
-
-    def close(self) -> None:
-        self.slave.freeInstance()
-        shutil.rmtree(self.folder, ignore_errors=True)
 
 
 INSTANCE: dict[str, Any] = {"2.0": FmuInstance, "3.0": Fmi3Instance}

@@ -1,4 +1,4 @@
-"""One FMI 2.0 instance through FMPy, by variable names, for the tests."""
+"""Instances of FMUs through FMPy, and those of FMI 2.0."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import ctypes
 import shutil
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any, Self
 
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import (
@@ -17,11 +18,45 @@ from fmpy.fmi2 import (
 )
 
 
-class FmuInstance:
-    """An instantiated FMU that keeps what it logs in `messages`.
+class Instance:
+    """An instantiated FMU by variable names, which keeps what it logs in `messages`."""
 
-    `slave` has the functions of the interface that it is for, `stepped` those of co-simulation.
-    """
+    folder: str
+    variables: dict[str, Any]
+    messages: list[str]
+    slave: Any
+    """The functions of the interface that it is for."""
+
+    def vr(self, *names: str) -> list[Any]:
+        return [self.variables[name].valueReference for name in names]
+
+    def set(self, values: Mapping[str, float]) -> None:
+        self.slave.setReal(self.vr(*values), list(values.values()))
+
+    def get(self, *names: str) -> list[float]:
+        return list(self.slave.getReal(self.vr(*names)))
+
+    def outputs(self) -> list[float]:
+        return self.get(*self.names("output"))
+
+    def names(self, causality: str) -> list[str]:
+        return [v.name for v in self.variables.values() if v.causality == causality]
+
+    def initialize(self, parameters: Mapping[str, float] | None = None) -> Self:
+        self.slave.setupExperiment(startTime=0.0)
+        if parameters:
+            self.set(parameters)
+        self.slave.enterInitializationMode()
+        self.slave.exitInitializationMode()
+        return self
+
+    def close(self) -> None:
+        self.slave.freeInstance()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+class FmuInstance(Instance):
+    """One of FMI 2.0. `stepped` has the functions of co-simulation."""
 
     def __init__(
         self,
@@ -64,35 +99,12 @@ class FmuInstance:
     def _log(self, _env, _name, _status, _category, text, *arguments) -> None:
         self.messages.append((text % arguments).decode())
 
-    def vr(self, *names: str) -> list[int]:
-        return [self.variables[name].valueReference for name in names]
-
-    def set(self, values: Mapping[str, float]) -> None:
-        self.slave.setReal(self.vr(*values), list(values.values()))
-
-    def get(self, *names: str) -> list[float]:
-        return list(self.slave.getReal(self.vr(*names)))
-
-    def outputs(self) -> list[float]:
-        return self.get(*self.names("output"))
-
-    def names(self, causality: str) -> list[str]:
-        return [v.name for v in self.description.modelVariables if v.causality == causality]
-
     def declared(self) -> dict[str, set[str]]:
         """The inputs that each output is declared to depend on."""
         return {
             unknown.variable.name: {v.name for v in unknown.dependencies if v.causality == "input"}
             for unknown in self.description.outputs
         }
-
-    def initialize(self, parameters: Mapping[str, float] | None = None) -> FmuInstance:
-        self.slave.setupExperiment(startTime=0.0)
-        if parameters:
-            self.set(parameters)
-        self.slave.enterInitializationMode()
-        self.slave.exitInitializationMode()
-        return self
 
     @property
     def state_count(self) -> int:
@@ -118,10 +130,6 @@ class FmuInstance:
         values = _array([0.0] * count)
         function(values, count)
         return list(values)
-
-    def close(self) -> None:
-        self.slave.freeInstance()
-        shutil.rmtree(self.folder, ignore_errors=True)
 
 
 def _array(values: Sequence[float]) -> ctypes.Array[ctypes.c_double]:

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
-import fmpy
-
 from orchestrator import Component, System
-from support.native_slaves import FIXED, archive, body, description, variable
+from support.native_slaves import FIXED, archive, body, description, library, variable
 
+SOURCE = Path(__file__).parent / "slaves" / "mishap.c"
 KINDS = ("none", "crash", "abort", "hang", "exit", "babble", "endless", "log")
 PORTS = body(
     [
@@ -26,12 +22,8 @@ PORTS = body(
 
 def mishap(folder: Path, *flags: str) -> Path:
     """The FMU of `slaves/mishap.c`. flags: of the compiler."""
-    source = Path(__file__).parent / "slaves" / "mishap.c"
-    compiler = ["cc"] if shutil.which("cc") else [sys.executable, "-m", "ziglang", "cc"]
-    library = folder / f"slave{fmpy.sharedLibraryExtension}"
-    command = [*compiler, "-O1", "-w", "-fPIC", "-shared", *flags, str(source), "-o", str(library)]
-    subprocess.run(command, check=True)
-    return archive(folder / "mishap.fmu", description(PORTS), library)
+    binary = library(folder, "-O1", *flags, source=SOURCE)
+    return archive(folder / "mishap.fmu", description(PORTS), binary)
 
 
 def system(fmu: Path, kind: str, at: float = 0.045) -> System:

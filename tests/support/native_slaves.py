@@ -5,7 +5,9 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
+import tempfile
 import zipfile
+from functools import cache
 from pathlib import Path
 
 import fmpy
@@ -75,10 +77,20 @@ def description(variables: str, guid: str = "slave", version: str = "2.0", extra
 
 
 def library(folder: Path, *flags: str, source: Path = SOURCE) -> Path:
-    compiler = ["cc"] if shutil.which("cc") else [sys.executable, "-m", "ziglang", "cc"]
+    """A shared library in a folder. flags: of the compiler."""
     path = folder / f"slave{fmpy.sharedLibraryExtension}"
-    subprocess.run([*compiler, "-O2", "-fPIC", "-shared", *flags, source, "-o", path], check=True)
+    path.write_bytes(_compiled(source, flags))
     return path
+
+
+@cache
+def _compiled(source: Path, flags: tuple[str, ...]) -> bytes:
+    compiler = ["cc"] if shutil.which("cc") else [sys.executable, "-m", "ziglang", "cc"]
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "library"
+        command = [*compiler, "-O2", "-w", "-fPIC", "-shared", *flags, source, "-o", path]
+        subprocess.run(command, check=True)
+        return path.read_bytes()
 
 
 def archive(path: Path, text: str | None, binary: Path | None, folder: str | None = None) -> Path:

@@ -8,6 +8,9 @@ from pathlib import Path
 
 from lxml import etree
 
+DAMPER, MASS = "resources/damper.fmu", "resources/mass.fmu"
+"""Members that most archives have."""
+
 SPACES = " ".join(
     f'xmlns:{prefix}="http://ssp-standard.org/SSP1/SystemStructure{name}"'
     for prefix, name in (

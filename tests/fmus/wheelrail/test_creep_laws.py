@@ -75,6 +75,7 @@ def test_the_loaded_laws_are_near_the_linear_one_at_small_creepage(values, law):
         assert out[name] == pytest.approx(stiffer * linear[name], rel=0.1)
 
 
+@pytest.mark.parametrize("law", CREEP_LAWS, indirect=True)
 def test_a_straight_track_at_an_angle_moves_the_wheelset_nowhere(values):
     angle, travelled = 2e-3, 0.4
     lateral = angle * travelled

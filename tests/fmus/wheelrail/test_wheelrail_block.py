@@ -79,24 +79,6 @@ def test_the_restrained_wheelset_hunts_from_its_critical_speed(creep_only):
     assert wheelset.roots(values, 1.01 * speed).real.max() > 0
 
 
-def test_a_straight_track_at_an_angle_makes_no_creep(values):
-    angle, travelled = 2e-3, 0.4
-    lateral = angle * travelled
-    out = evaluate(
-        values,
-        y=lateral,
-        yaw=angle,
-        vy=SPEED * angle,
-        speed=SPEED,
-        rail_y_left=lateral,
-        rail_y_right=lateral,
-    )
-    size = values["lateral_creep_coefficient"] * angle
-    assert abs(out["force_y"]) < tolerances.ROUNDING * size
-    assert abs(out["moment_z"]) < tolerances.ROUNDING * size
-    assert abs(out["left.creep_y"]) < tolerances.ROUNDING * angle
-
-
 def test_shifting_track_and_wheelset_together_changes_nothing(values):
     motion = {"yaw": 1e-3, "vy": 0.02, "wz": 0.01, "speed": SPEED}
     here = evaluate(values, y=4e-3, rail_y_left=1e-3, rail_y_right=-2e-3, **motion)

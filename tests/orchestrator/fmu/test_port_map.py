@@ -17,17 +17,6 @@ from orchestrator import (
     read_port_map,
     simulate,
 )
-from support.typed_slaves import build_fmi2, build_fmi3
-
-
-@pytest.fixture(scope="module")
-def two(tmp_path_factory):
-    return build_fmi2(tmp_path_factory.mktemp("two"))
-
-
-@pytest.fixture(scope="module")
-def three(tmp_path_factory):
-    return build_fmi3(tmp_path_factory.mktemp("three"))
 
 
 def ramp(unit: str = "m/s") -> InlineModel:

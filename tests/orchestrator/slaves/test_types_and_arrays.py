@@ -24,16 +24,6 @@ INTEGERS = [name for name in TYPES if "Int" in name]
 
 
 @pytest.fixture(scope="module")
-def two(tmp_path_factory):
-    return build_fmi2(tmp_path_factory.mktemp("two"))
-
-
-@pytest.fixture(scope="module")
-def three(tmp_path_factory):
-    return build_fmi3(tmp_path_factory.mktemp("three"))
-
-
-@pytest.fixture(scope="module")
 def eventful(tmp_path_factory):
     return build_fmi3(tmp_path_factory.mktemp("events"), fmi3_description(events=True))
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 import tolerances
 from orchestrator import OrchestratorError, simulate
 from orchestrator.ssp import read_ssp
-from support.native_slaves import build_damper, build_mass
 from support.ssp_archives import (
+    DAMPER,
+    MASS,
     bindings,
     component,
     connection,
@@ -25,14 +24,6 @@ from support.ssp_archives import (
     system,
     write,
 )
-
-DAMPER, MASS = "resources/damper.fmu", "resources/mass.fmu"
-
-
-@pytest.fixture(scope="module")
-def fmus(tmp_path_factory) -> dict[str, Path]:
-    folder = tmp_path_factory.mktemp("fmus")
-    return {DAMPER: build_damper(folder), MASS: build_mass(folder)}
 
 
 @pytest.fixture

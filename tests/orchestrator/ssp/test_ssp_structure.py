@@ -20,8 +20,9 @@ from orchestrator import (
     simulate,
 )
 from orchestrator.ssp import read_ssp
-from support.native_slaves import build_damper, build_mass
 from support.ssp_archives import (
+    DAMPER,
+    MASS,
     UNITS,
     bindings,
     component,
@@ -37,15 +38,8 @@ from support.ssp_archives import (
     write,
 )
 
-DAMPER, MASS = "resources/damper.fmu", "resources/mass.fmu"
 PAIR = elements(component("damper", DAMPER), component("mass", MASS))
 FORCE, SPEED = connection("damper.force", "mass.force"), connection("mass.v", "damper.v")
-
-
-@pytest.fixture(scope="module")
-def fmus(tmp_path_factory) -> dict[str, Path]:
-    folder = tmp_path_factory.mktemp("fmus")
-    return {DAMPER: build_damper(folder), MASS: build_mass(folder)}
 
 
 @pytest.fixture

@@ -12,20 +12,10 @@ import pytest
 from orchestrator import Component, Connection, OrchestratorError, System, Table, simulate
 from orchestrator.ssp import read_ssp, write_ssp
 from support.ssp_archives import bindings, component, elements, inline, problems, ssd, ssv, write
-from support.typed_slaves import build_fmi2, build_fmi3
+from support.typed_slaves import build_fmi2
 
 NOT = Table("Boolean", ((True, False),))
 """False has no entry, and stays as it is."""
-
-
-@pytest.fixture(scope="module")
-def fmi2(tmp_path_factory) -> Path:
-    return build_fmi2(tmp_path_factory.mktemp("two"))
-
-
-@pytest.fixture(scope="module")
-def fmi3(tmp_path_factory) -> Path:
-    return build_fmi3(tmp_path_factory.mktemp("three"))
 
 
 def read_back(system: System, path: Path) -> System:
@@ -35,11 +25,11 @@ def read_back(system: System, path: Path) -> System:
     return replace(read, components=components)
 
 
-def test_every_type_of_fmi_2_survives(fmi2, tmp_path):
+def test_every_type_of_fmi_2_survives(two, tmp_path):
     given = {"u": 1.5, "i": -3, "mode": "fast", "b": True, "say": "hello, all"}
     links = [("j", "i"), ("mode_out", "mode"), ("c", "b"), ("said", "say"), ("y", "u")]
     system = System(
-        {"a": Component(fmi2, given), "b": Component(fmi2)},
+        {"a": Component(two, given), "b": Component(two)},
         tuple(Connection(f"a.{output}", f"b.{port}") for output, port in links),
     )
     again = read_back(system, tmp_path / "types.ssp")
@@ -49,7 +39,7 @@ def test_every_type_of_fmi_2_survives(fmi2, tmp_path):
     )
 
 
-def test_arrays_and_types_of_fmi_3_survive_in_ssp_2(fmi3, tmp_path):
+def test_arrays_and_types_of_fmi_3_survive_in_ssp_2(three, tmp_path):
     given = {
         "n": 4,
         "x": [4.0, 3.0, 2.0, 1.0],
@@ -61,7 +51,7 @@ def test_arrays_and_types_of_fmi_3_survive_in_ssp_2(fmi3, tmp_path):
     }
     links = [("w", "v"), ("transposed", "m"), ("y", "x"), ("float32_out", "float32_in")]
     system = System(
-        {"a": Component(fmi3, given), "b": Component(fmi3, {"n": 4})},
+        {"a": Component(three, given), "b": Component(three, {"n": 4})},
         tuple(Connection(f"a.{output}", f"b.{port}") for output, port in links),
     )
     path = tmp_path / "arrays.ssp"
@@ -75,11 +65,11 @@ def test_arrays_and_types_of_fmi_3_survive_in_ssp_2(fmi3, tmp_path):
             assert problems(archive.read(member), kind, "2.0") == []
 
 
-def test_table_of_booleans_with_a_gap_keeps_what_is_not_in_it(fmi2, tmp_path):
+def test_table_of_booleans_with_a_gap_keeps_what_is_not_in_it(two, tmp_path):
     """True becomes false, and false stays: what arrives is false."""
-    false = simulate(System({"b": Component(fmi2, {"b": False})}), duration=0.2, step=0.1)
+    false = simulate(System({"b": Component(two, {"b": False})}), duration=0.2, step=0.1)
     for start in (True, False):
-        components = {"a": Component(fmi2, {"b": start}), "b": Component(fmi2)}
+        components = {"a": Component(two, {"b": start}), "b": Component(two)}
         system = System(components, (Connection("a.c", "b.b", NOT),))
         again = read_back(system, tmp_path / f"{start}.ssp")
         assert again == system
@@ -87,8 +77,8 @@ def test_table_of_booleans_with_a_gap_keeps_what_is_not_in_it(fmi2, tmp_path):
         np.testing.assert_array_equal(run.dataset["b.c"], false.dataset["b.c"])
 
 
-def test_what_arrays_do_not_fit(fmi3, tmp_path):
-    whole = System({"a": Component(fmi3)})
+def test_what_arrays_do_not_fit(three, tmp_path):
+    whole = System({"a": Component(three)})
     with pytest.raises(OrchestratorError, match=r"is an array, which SSP 1\.0 has not; write vers"):
         write_ssp(whole, tmp_path / "a.ssp", version="1.0")
     one = replace(whole, connections=(Connection("a.w[1]", "a.rate"),))
@@ -98,16 +88,16 @@ def test_what_arrays_do_not_fit(fmi3, tmp_path):
         write_ssp(one, tmp_path / "a.ssp")
 
     def refusal(text: str) -> str:
-        members = {"SystemStructure.ssd": ssd(text, version="2.0"), "three.fmu": fmi3}
+        members = {"SystemStructure.ssd": ssd(text, version="2.0"), "three.fmu": three}
         with pytest.raises(OrchestratorError) as caught:
             read_ssp(write(tmp_path / "b.ssp", members))
         return str(caught.value)
 
-    three = component(
+    given = component(
         "a", "three.fmu", bindings(inline(ssv({"gain": 'Float64 value="1 2"'}, "2.0")))
     )
     message = "a.gain cannot be '[1.0, 2.0]': it is an array of 3, and 2 values were given"
-    assert message in refusal(elements(three))
+    assert message in refusal(elements(given))
     path = {"SystemStructure.ssd": "", "two.fmu": build_fmi2(tmp_path)}
     four = (
         '<ssd:Connectors><ssd:Connector name="i" kind="input"><ssc:Integer/>'
