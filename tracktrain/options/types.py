@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
 import click
 
-from ..errors import choices
+import orchestrator
 
-NUMBER_THEN_UNIT = re.compile(
-    r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf)(?!\w))\s*(?P<unit>.*?)\s*",
-    re.IGNORECASE,
-)
+from ..errors import choices
 
 
 class Quantity(click.ParamType):
@@ -29,33 +25,24 @@ class Quantity(click.ParamType):
         """Value in `self.unit`; click.BadParameter for anything else than such a quantity."""
         if isinstance(value, float):
             return value
-        match = NUMBER_THEN_UNIT.fullmatch(value)
-        if match is None:
-            self.fail(f"'{value}' is not a number with a unit; {self._advice()}", param, ctx)
-        number, unit = float(match["number"]), match["unit"]
-        if not math.isfinite(number):
-            self.fail(f"'{value}' is not a finite number; {self._advice()}", param, ctx)
-        if number <= 0.0:
-            self.fail(f"a {self.name} of {value} cannot be run; it must be above zero", param, ctx)
-        if not unit:
-            self.fail(f"'{value}' has no unit; {self._advice()}", param, ctx)
-        return self._converted(number, unit, param, ctx)
-
-    def _converted(
-        self, number: float, unit: str, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float:
-        import pint
-
-        registry = pint.get_application_registry()
         try:
-            value = float(registry.Quantity(number, unit).to(self.unit).magnitude)
-            return float(f"{value:.15g}")  # 60 ft/s is 18.288 m/s, not a rounding error less
-        except pint.DimensionalityError as error:
-            kind = str(error.dim1).strip("[]") or "plain number"
-            message = f"'{number:g} {unit}' is a {kind}, not a {self.name}; {self._advice()}"
-        except (pint.PintError, ValueError, TypeError, AttributeError, AssertionError):
-            message = f"'{unit}' is not a known unit; {choices(unit, self.units)}"
-        self.fail(message, param, ctx)
+            given = orchestrator.Quantity.parsed(value)
+        except orchestrator.UnitError:
+            self.fail(f"'{value}' is not a number with a unit; {self._advice()}", param, ctx)
+        if not math.isfinite(given.value):
+            self.fail(f"'{value}' is not a finite number; {self._advice()}", param, ctx)
+        if given.value <= 0.0:
+            self.fail(f"a {self.name} of {value} cannot be run; it must be above zero", param, ctx)
+        if not given.unit:
+            self.fail(f"'{value}' has no unit; {self._advice()}", param, ctx)
+        try:
+            return float(f"{given.to(self.unit):.15g}")  # 60 ft/s is 18.288 m/s, not a bit less
+        except orchestrator.DimensionError:
+            kind = given.dimension.strip("[]") or "plain number"
+            problem = f"'{given}' is a {kind}, not a {self.name}; {self._advice()}"
+        except orchestrator.UnitError:
+            problem = f"'{given.unit}' is not a known unit; {choices(given.unit, self.units)}"
+        self.fail(problem, param, ctx)
 
     def _advice(self) -> str:
         return f'give a {self.name} such as "{self.example}" (units: {", ".join(self.units)})'

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,6 @@ from ..car.changes import assigned
 from ..car.hopper import CARS, TRACKS, hopper_car, instances
 from ..errors import TracktrainError, choices
 from ..options.master import MASTERS
-from ..options.types import NUMBER_THEN_UNIT
 
 if TYPE_CHECKING:
     from orchestrator import System
@@ -23,6 +23,12 @@ QUANTITIES = {"speed": "m/s", "duration": "s", "step": "s"}
 
 NAMED = {"car": CARS, "track": TRACKS, "master": MASTERS}
 """Options that are one of some names."""
+
+NUMBER_THEN_UNIT = re.compile(
+    r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf)(?!\w))\s*(?P<unit>.*?)\s*",
+    re.IGNORECASE,
+)
+"""A value of a range or a list, which may be a whole number."""
 
 OPTIONS = (*QUANTITIES, "seed", *NAMED)
 
