@@ -1,7 +1,8 @@
 """The rows that a macro loop walks over: those of the record that are in memory.
 
 FMUs write their outputs right into a row, by its address: that is why it must not be another's
-memory that a row number leads to.
+memory that a row number leads to. Functions that raise are not inlined by numba, whose inlining
+of them changed what followed in an algebraic loop; LLVM does it as well.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ def record_of(rows: Floats, ends: Floats, first: int = 0) -> Record:
     return Record(first, rows, ends, rows.ctypes.data)
 
 
-@register_jitable(inline="always")
+@register_jitable
 def at(record: Record, k: int) -> int:
     """Where row k stands in memory; raises IndexError for a row that does not."""
     place = k - record.first
@@ -43,7 +44,7 @@ def at(record: Record, k: int) -> int:
     return place
 
 
-@register_jitable(inline="always")
+@register_jitable
 def row_address(record: Record, k: int) -> int:
     """Address of the first value of row k; raises IndexError for a row that is not in memory."""
     return record.address + 8 * record.rows.shape[1] * at(record, k)

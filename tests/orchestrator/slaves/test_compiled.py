@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from orchestrator.masters.loop import explicit, tables
+from orchestrator.masters.loop import explicit, refresh
 from orchestrator.plan import plan
 from orchestrator.slaves import abi, calls
 from orchestrator.slaves.compiled import fingerprint
@@ -25,7 +25,7 @@ def test_a_table_of_numbers_counts(monkeypatch):
 
 def test_a_constant_of_another_module_with_compiled_code_counts(monkeypatch):
     before = fingerprint(explicit.advance)
-    monkeypatch.setattr(tables, "LOOP_PASSES", 7)
+    monkeypatch.setattr(refresh, "LOOP_PASSES", 7)
     assert fingerprint(explicit.advance) != before
 
 
