@@ -1,4 +1,8 @@
-"""How inputs are led over a macro step: tables, and the moves of the compiled loop on them."""
+"""How inputs are led over a macro step: tables, and the moves of the compiled loop on them.
+
+`coupling` decides the way of each input. Here it becomes numbers: columns of the record, factors,
+and packets of derivatives, so that the loop only adds and multiplies what stands in arrays.
+"""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
 """The rows that a macro loop walks over: those of the record that are in memory.
 
-FMUs write their outputs right into a row, by its address: that is why it must not be another's
-memory that a row number leads to. Functions that raise are not inlined by numba, whose inlining
-of them changed what followed in an algebraic loop; LLVM does it as well.
+FMUs write their outputs right into a row, by its address. So a wrong row number must raise: it
+would lead into foreign memory. `at` is inlined by LLVM alone; see `tables.macro_loop` for why.
 """
 
 from __future__ import annotations

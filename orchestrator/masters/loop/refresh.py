@@ -115,7 +115,8 @@ def refresh_batch(
 @register_jitable
 def guess_loop(refresh: Refresh, loop: int, record: Record, k: int) -> None:
     """Begin to go around a loop, with the guesses that stand in row k."""
-    table, row = refresh.unknowns, at(record, k)
+    table = refresh.unknowns
+    row = at(record, k)
     for n in range(table.first[loop], table.first[loop + 1]):
         table.value[n] = record.rows[row, refresh.guessed[n]]
     if refresh.again[loop] == 0:
@@ -126,7 +127,8 @@ def guess_loop(refresh: Refresh, loop: int, record: Record, k: int) -> None:
 @register_jitable
 def close_loop(refresh: Refresh, loop: int, record: Record, k: int) -> bool:
     """Whether the guessed outputs came out as guessed; else row k gets better guesses."""
-    table, row = refresh.unknowns, at(record, k)
+    table = refresh.unknowns
+    row = at(record, k)
     first, last = table.first[loop], table.first[loop + 1]
     for n in range(first, last):
         table.residual[n] = record.rows[row, refresh.guessed[n]] - table.value[n]

@@ -1,4 +1,8 @@
-"""The macro loop that repeats a step from saved states until the unknown inputs agree."""
+"""The macro loop that repeats a step from saved states until the unknown inputs agree.
+
+Each slave has two feeds: its inputs at the beginning of the step and at its end. A solver moves the
+ends; states are handles that only their FMU reads, kept by address.
+"""
 
 from __future__ import annotations
 

@@ -39,6 +39,11 @@ def macro_loop(function: Callable[..., None]) -> Any:
 
     References are not counted, since nothing is allocated: for tables of some hundred arrays that
     would cost more than the FMUs' own work.
+
+    A move is inlined by numba (inline="always") where that is faster. After such a call, do not
+    give a table another name and then write through it in a loop (`row = at(record, k)`,
+    `table = refresh.unknowns`, `table.value[n] = ...`, with `at` inlined): numba reads the blocks
+    of the function out of order then, takes the writes for dead, and leaves them out.
     """
     with kept(function) as keep:
         options: dict[str, Any] = {"cache": keep, "nogil": True, "_nrt": False}

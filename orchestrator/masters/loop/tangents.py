@@ -1,4 +1,8 @@
-"""Tangents of the one-pass master: directional derivatives to ask for, and where they go."""
+"""Tangents of the one-pass master: directional derivatives to ask for, and where they go.
+
+Which derivatives there are is known before the first step. So the arguments of each call stand
+ready at their addresses, and its results are copied from one array into the slots of another.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Tables of unknowns that come in groups, and the methods that solve for them."""
+"""Tables of unknowns that come in groups, and the methods that solve for them.
+
+Without a compiler, since the command line asks for the methods.
+"""
 
 from __future__ import annotations
 
