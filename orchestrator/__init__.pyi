@@ -1,6 +1,7 @@
 from .errors import (
     ArchiveError,
     CouplingError,
+    DamageError,
     DimensionError,
     FmuError,
     OrchestratorError,
@@ -25,9 +26,11 @@ from .plan.ports import Problem, fit
 from .results.callback import Callback
 from .results.csv_table import CsvTable
 from .results.energy import BondResidual
+from .results.folder import owned
 from .results.metrics import dominant_frequency, peak, rms, vertex
 from .results.netcdf import RESULTS_NAME, ResultsFile
 from .results.provenance import Provenance
+from .results.reading import open_results
 from .results.run import Run
 from .results.sink import Header, Sink
 from .run.checkpoint import read_checkpoint
@@ -61,6 +64,7 @@ __all__ = [
     "Contents",
     "CouplingError",
     "CsvTable",
+    "DamageError",
     "Description",
     "DimensionError",
     "Execution",
@@ -115,7 +119,9 @@ __all__ = [
     "monolith",
     "open_archive",
     "open_fmu",
+    "open_results",
     "options_of_masters",
+    "owned",
     "peak",
     "read_checkpoint",
     "read_port_map",

@@ -50,6 +50,10 @@ class ResultsError(OrchestratorError):
     """Results cannot be selected or written."""
 
 
+class DamageError(ResultsError):
+    """Results are not what the run wrote."""
+
+
 class LogError(OrchestratorError):
     """A log cannot be kept as asked for."""
 

@@ -28,7 +28,6 @@ DOORS = {
     "orchestrator/masters/*.py": "masters are named in a help text; their loops are compiled",
     "orchestrator/slaves/loading.py": "what stands before FMUs of other types is compiled",
     "orchestrator/fmu/units.py": "pint reads its registry of units",
-    "orchestrator/results/netcdf.py": "a run that writes nothing needs no netCDF",
     "tracktrain/car/hopper.py": "names of cars stand in a help text; their numbers need CasADi",
     "tracktrain/cli/*": "a command loads what it needs when it runs, not when it shows its help",
     "tracktrain/options/*": "what was typed is read without what uses it",

@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 
-from orchestrator import RESULTS_NAME, Run
+from orchestrator import RESULTS_NAME, Run, open_results
 
 from .car.hopper import layout_of
 from .errors import TracktrainError
@@ -16,17 +16,17 @@ BONDS = "bonds.csv"
 
 
 def opened(folder: Path) -> xr.Dataset:
-    """The dataset in a run's folder, read as it is used; TracktrainError where there is none."""
+    """The dataset in a run's folder, read as it is used.
+
+    Raises TracktrainError where there is none, orchestrator.DamageError where it is damaged.
+    """
     path = folder / RESULTS_NAME
     if not path.is_file():
         raise TracktrainError(
             f"there is no {RESULTS_NAME} in '{folder}'; name the folder that "
             "`tracktrain run --out` wrote"
         )
-    try:
-        return xr.open_dataset(path, engine="netcdf4", cache=False)
-    except (OSError, ValueError) as error:
-        raise TracktrainError(f"'{path}' cannot be read: {error}") from None
+    return open_results(path, cache=False)
 
 
 def mean_speed(dataset: xr.Dataset) -> float | None:

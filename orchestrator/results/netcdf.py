@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import os
 import shutil
-import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from contextlib import suppress
 from io import FileIO
 from pathlib import Path
 from typing import Any
@@ -21,9 +21,14 @@ from numpy.typing import NDArray
 
 from ..errors import ResultsError
 from ..fmu.description import Variable
+from . import checksums
+from .classic import MOST_ROWS, ROW_COUNT, ClassicHeader, HeaderError, may_be_named
 from .sink import Header
 
 RESULTS_NAME = NAME = "results.nc"
+
+RUN = "run"
+"""Attribute with a name that no other run has."""
 
 STOPPED = "stopped"
 """Attribute with the reason of a run that did not reach its end."""
@@ -37,12 +42,14 @@ UNFINISHED = "killed, or still running: what was computed after the last row is 
 ROOM = 16 * 1024
 """Bytes in the header for attributes that become known at the end."""
 
-_ROW_COUNT = 4  # its place in the header
 _BLOCK = 4 * 2**20  # bytes
 
 
 class ResultsFile:
-    """A sink: rows of a record on disk, of which the first value is the time [s]."""
+    """A sink: rows of a record on disk, of which the first value is the time [s].
+
+    Behind each row stands its checksum.
+    """
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -55,78 +62,111 @@ class ResultsFile:
         """
         if self._opened:
             return
-        path = self.path
+        path, new = self.path, self.path.with_name(f"{self.path.name}.new")
+        self._header = classic = _header(header)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            size = 8.0 * header.rows * (1 + len(header.variables))
+            size = 8.0 * header.rows * classic.width
             free = shutil.disk_usage(path.parent).free
-            if size > free:
+            if size > free or header.rows > MOST_ROWS:
                 raise ResultsError(
                     f"'{path}' would grow to {size / 1e9:.3g} GB, and the disk has "
                     f"{free / 1e9:.3g} GB left; keep fewer outputs or fewer rows, or choose "
                     "another folder"
                 )
-            first = _header(header.variables, {STOPPED: UNFINISHED, **header.attributes})
-            path.unlink(missing_ok=True)  # who reads the old file goes on reading it
-            path.write_bytes(first)
-            self._open(len(first), 1 + len(header.variables))
+            new.write_bytes(classic.packed())
+            os.replace(new, path)  # who reads the old file goes on reading it
+            self._open()
         except OSError as error:
+            with suppress(OSError):
+                new.unlink(missing_ok=True)
             raise ResultsError(
                 f"'{path}' cannot be written: {_reason(error)}; choose another folder"
             ) from None
 
     @classmethod
-    def reopen(cls, path: Path, first_row: int, width: int, rows: int) -> ResultsFile:
-        """An existing file, without what comes after its first rows; raises ResultsError."""
-        try:
-            if path.stat().st_size < first_row + 8 * width * rows:
-                raise ResultsError(f"'{path}' is shorter than its checkpoint says; run anew")
-            file = cls(path)
-            file._open(first_row, width)
-            file.cut(rows)
-            file.say({STOPPED: UNFINISHED})
-            return file
-        except OSError as error:
-            raise ResultsError(
-                f"'{path}' cannot be gone on with: {_reason(error)}; run anew"
-            ) from None
-
-    @classmethod
-    def finished(cls, path: Path, width: int) -> ResultsFile:
-        """A file that is complete, with `width` numbers in a row."""
-        with path.open("rb") as stream:
-            rows = int.from_bytes(stream.read(_ROW_COUNT + 4)[_ROW_COUNT:], "big")
+    def reopen(cls, path: Path) -> ResultsFile:
+        """An existing file; raises ResultsError."""
         file = cls(path)
-        file._open(path.stat().st_size - 8 * width * rows, width)
+        try:
+            with path.open("rb") as stream:
+                file._header = ClassicHeader.read(stream)
+            file._open()
+        except (OSError, HeaderError) as error:
+            reason = _reason(error) if isinstance(error, OSError) else error
+            raise ResultsError(f"'{path}' cannot be gone on with: {reason}; run anew") from None
         return file
 
-    def _open(self, first_row: int, width: int) -> None:
-        """Take a file whose rows begin at a byte and hold `width` numbers each."""
-        self.first_row, self._width = first_row, width
+    @property
+    def rows(self) -> int:
+        """How many there are."""
+        return self._header.rows
+
+    @property
+    def run(self) -> str | None:
+        """The name of the run whose rows they are."""
+        return self._header.attributes.get(RUN)
+
+    def _open(self) -> None:
+        self._width = self._header.width
         self._stream, self._opened = FileIO(self.path, "r+b"), True
-        self.rows = int.from_bytes(self._at(_ROW_COUNT, 4), "big")
+
+    def _place(self, row: int) -> int:
+        """Byte at which a row begins."""
+        return self._header.first_row + 8 * self._width * row
 
     def append(self, rows: NDArray[np.float64]) -> None:
         """Add rows, shape (n, 1 + variables); raises ResultsError, with those that fit kept."""
+        self._check_place()
         step = max(1, _BLOCK // (8 * self._width))
         for first in range(0, len(rows), step):
-            block = memoryview(rows[first : first + step].astype(">f8").tobytes())
+            part = rows[first : first + step]
+            summed = np.empty((len(part), self._width), ">f8")
+            summed[:, :-1], summed[:, -1] = part, checksums.checksums(part, self.rows)
+            block = summed.data.cast("B")
             try:
-                self._stream.seek(self.first_row + 8 * self._width * self.rows)
+                self._stream.seek(self._place(self.rows))
                 while block:
                     block = block[self._stream.write(block) :]
             except OSError as error:
-                size = self._stream.seek(0, 2) - self.first_row
-                self._count(size // (8 * self._width))
+                self._count(self._whole())
                 raise ResultsError(
                     f"'{self.path}' cannot be written any further: {_reason(error)}"
                 ) from None
-            self._count(self.rows + len(rows[first : first + step]))
+            self._count(self.rows + len(part))
+
+    def _check_place(self) -> None:
+        """Raise ResultsError where another program has cut, removed or replaced the file."""
+        own = os.fstat(self._stream.fileno())
+        try:
+            there = os.path.samestat(own, self.path.stat())
+        except OSError:
+            raise ResultsError(
+                f"'{self.path}' was removed while the run wrote it; choose a folder that stays"
+            ) from None
+        if not there:
+            raise ResultsError(
+                f"'{self.path}' was replaced by another program while the run wrote it; give each "
+                "run a folder of its own"
+            )
+        if own.st_size < self._place(self.rows):
+            lost = self.rows - self._whole()
+            self._count(self._whole())
+            raise ResultsError(
+                f"'{self.path}' was cut by another program while the run wrote it: its last {lost} "
+                "rows are lost; give each run a folder of its own"
+            )
+
+    def _whole(self) -> int:
+        """Rows that the file has room for."""
+        size = os.fstat(self._stream.fileno()).st_size - self._header.first_row
+        return max(0, size // (8 * self._width))
 
     def cut(self, rows: int) -> None:
-        """Forget all rows but the first ones."""
-        self._count(rows)
-        self._stream.truncate(self.first_row + 8 * self._width * rows)
+        """Forget all rows but the first ones, and be unfinished again."""
+        self._header.rows = rows
+        self.say({STOPPED: UNFINISHED, VERDICT: None})
+        self._stream.truncate(self._place(rows))
 
     def sync(self) -> None:
         """Wait until everything is on the disk."""
@@ -134,20 +174,19 @@ class ResultsFile:
 
     def finish(self, said: Mapping[str, str | None]) -> None:
         """Have the header say this, and close."""
+        self._stream.truncate(self._place(self.rows))
         self.say(said)
         self.close()
 
     def say(self, said: Mapping[str, str | None]) -> None:
         """Have attributes in the header say this, or be gone."""
+        for name, text in said.items():
+            if text is not None:
+                self._header.attributes[name] = text[: ROOM // 8]
+            else:
+                self._header.attributes.pop(name, None)
         self._stream.seek(0)
-        header = self._stream.read(self.first_row)
-        with tempfile.TemporaryDirectory() as folder:
-            copy = Path(folder) / NAME
-            copy.write_bytes(_counting(header, 0))
-            _set(copy, said)
-            changed = copy.read_bytes()[: self.first_row]
-        self._stream.seek(0)
-        self._stream.write(_counting(changed, self.rows))
+        self._stream.write(self._header.packed())
 
     def close(self) -> None:
         """Close; what was appended is there."""
@@ -155,63 +194,36 @@ class ResultsFile:
             self._stream.close()
 
     def read(self) -> NDArray[np.float64]:
-        """All rows, time first, read from the file as they are looked at."""
+        """All rows, time first, read from the file as they are looked at; before `finish`."""
         shape = (self.rows, self._width)
-        return np.memmap(self.path, ">f8", "r", self.first_row, shape)
-
-    def _at(self, place: int, size: int) -> bytes:
-        self._stream.seek(place)
-        return self._stream.read(size)
+        if not self.rows:
+            return np.empty((0, self._width - 1))
+        return np.memmap(self._stream, ">f8", "r", self._header.first_row, shape)[:, :-1]
 
     def _count(self, rows: int) -> None:
-        self.rows = rows
-        self._stream.seek(_ROW_COUNT)
+        self._header.rows = rows
+        self._stream.seek(ROW_COUNT)
         self._stream.write(rows.to_bytes(4, "big"))
 
 
-def _header(variables: Sequence[tuple[str, Variable]], attributes: Mapping[str, Any]) -> bytes:
-    """What stands before the first row."""
-    import netCDF4
-
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / NAME
-        with netCDF4.Dataset(path, "w", format="NETCDF3_64BIT_OFFSET") as dataset:
-            dataset.set_fill_off()
-            dataset.createDimension("time", None)
-            time = dataset.createVariable("time", "f8", ("time",))
-            time.setncatts({"units": "s", "description": "simulated time"})
-            for name, variable in variables:
-                try:
-                    dataset.createVariable(name, "f8", ("time",)).setncatts(described(variable))
-                except (RuntimeError, OSError) as error:
-                    raise ResultsError(
-                        f"NetCDF does not take the name '{name}' ({error}); leave the variable out "
-                        "of the record"
-                    ) from None
-            dataset.setncatts(attributes)
-            dataset.setncattr("room", " " * ROOM)
-            mark = np.random.default_rng().random(1 + len(variables))
-            for name, value in zip(dataset.variables, mark, strict=True):
-                dataset[name][0] = value
-        begin = path.read_bytes().index(mark.astype(">f8").tobytes())
-        with netCDF4.Dataset(path, "r+") as dataset:
-            dataset.delncattr("room")  # the rows stay where they are
-        return _counting(path.read_bytes()[:begin], 0)
-
-
-def _counting(header: bytes, rows: int) -> bytes:
-    return header[:_ROW_COUNT] + rows.to_bytes(4, "big") + header[_ROW_COUNT + 4 :]
-
-
-def _set(path: Path, said: Mapping[str, str | None]) -> None:
-    import netCDF4
-
-    with netCDF4.Dataset(path, "r+") as dataset:
-        for name, text in said.items():
-            if text is not None:
-                dataset.setncattr(name, text[: ROOM // 8])
-            elif name in dataset.ncattrs():
-                dataset.delncattr(name)
+def _header(header: Header) -> ClassicHeader:
+    """What stands before the first row; raises ResultsError for a name that cannot."""
+    for name, _ in header.variables:
+        if not may_be_named(name):
+            raise ResultsError(
+                f"NetCDF does not take the name '{name[:200]}'; leave the variable out of the "
+                "record"
+            )
+    variables = {
+        "time": {"units": "s", "description": "simulated time"},
+        **{name: described(variable) for name, variable in header.variables},
+        checksums.NAME: {"units": "1", "description": checksums.DESCRIPTION},
+    }
+    # Stands beside the time, so that it is not taken for one of the outputs.
+    attributes = {STOPPED: UNFINISHED, **header.attributes, "coordinates": checksums.NAME}
+    found = ClassicHeader(variables, attributes)
+    found.reserve(ROOM)
+    return found
 
 
 def described(variable: Variable) -> dict[str, Any]:

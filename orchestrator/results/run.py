@@ -19,7 +19,9 @@ from ..trust.findings import Evidence, Verdict
 from ..trust.verdict import judge
 from . import csv_table
 from .energy import BondResidual
-from .netcdf import NAME, STOPPED, ResultsFile, described
+from .folder import owned
+from .netcdf import NAME, RUN, STOPPED, ResultsFile, described
+from .reading import open_results, run_of
 from .sink import Header, Sink
 
 BLOCK = 4096
@@ -95,10 +97,10 @@ class Run:
     @cached_property
     def dataset(self) -> xr.Dataset:
         """One variable for each "instance.variable" over `time` [s], with units and provenance."""
-        if self.path is not None:
-            return xr.open_dataset(self.path, engine="netcdf4")
+        if self.path is not None and run_of(self.path) == self.attributes.get(RUN):
+            return open_results(self.path)
         # By variable, so that each is one piece of memory.
-        values = np.ascontiguousarray(self.record.T)
+        values = np.ascontiguousarray(self.record.T, np.float64)
         variables = {
             name: xr.Variable(("time",), values[n], described(variable))
             for n, (name, variable) in enumerate(self.variables)
@@ -109,9 +111,10 @@ class Run:
     def write(self, folder: Path | str) -> Path:
         """Write results.nc into the folder, and texts.csv if there are any; raises ResultsError."""
         path = Path(folder) / NAME
-        if self.path is None or not path.exists() or not path.samefile(self.path):
-            self.give(ResultsFile(path))
-            write_texts(self.texts, path.parent)
+        with owned(folder):
+            if self.path is None or run_of(path) != self.attributes.get(RUN):
+                self.give(ResultsFile(path))
+                write_texts(self.texts, path.parent)
         return path
 
     def write_csv(self, folder: Path | str) -> Path:

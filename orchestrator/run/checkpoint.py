@@ -12,6 +12,7 @@ import os
 import zipfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -22,33 +23,38 @@ from ..errors import CheckpointError
 from ..masters.base import Master, Prepared
 from ..plan.plan import Plan
 from ..results.netcdf import ResultsFile
+from ..results.reading import check_rows
 from ..results.recording import Recording
 from ..slaves.base import Slave
 from ..system.encoding import decode, encode
 from ..system.system import System
 from .context import Context
 from .settings import Settings
+from .texts import Texts
 
 NAME = "checkpoint"
 """Name of the file, beside the results."""
 
-FORMAT = 2
+MAGIC = b"tracktrain checkpoint 3\n"
+"""Before the SHA-256 of the rest."""
 
 
 @dataclass(frozen=True)
 class Checkpoint:
     """A run after `rows` rows: what it was asked for, and the state of everything in it.
 
-    fmus: hashes by instance. kept: rows in the results file, whose header takes `first_row` bytes.
+    run: its name in the results file, of which it has the first `kept` rows. fmus: hashes by
+    instance. texts: changes until then.
     """
 
+    run: str
     system: System
     master: Master
     settings: Settings
     fmus: dict[str, str]
     rows: int
     kept: int
-    first_row: int
+    texts: dict[str, list[list[Any]]]
     states: list[bytes]
     arrays: dict[str, NDArray[Any]]
 
@@ -61,6 +67,21 @@ class Checkpoint:
                     f"(SHA-256 {description.sha256[:12]}..., was {self.fmus.get(name, '')[:12]}...)"
                     "; put the old FMU back, or run anew"
                 )
+
+    def reopened(self, path: Path) -> ResultsFile:
+        """The results file with the rows that belong to this; raises CheckpointError, ResultsError.
+
+        Rows that were written afterwards are cut off.
+        """
+        file = ResultsFile.reopen(path)
+        if file.run != self.run:
+            raise CheckpointError(
+                f"'{path}' is of another run than the checkpoint beside it; put the file back that "
+                "the checkpoint was written with, or run anew"
+            )
+        check_rows(path, self.kept, "run anew, or put a whole copy in its place")
+        file.cut(self.kept)
+        return file
 
     def restore(self, slaves: Sequence[Slave], prepared: Prepared, recording: Recording) -> None:
         """Put everything into the state that it had; raises CheckpointError, SlaveError."""
@@ -87,26 +108,31 @@ class Checkpoints:
         context: Context,
         recording: Recording,
         file: ResultsFile,
+        texts: Texts,
     ) -> None:
         self.interval = interval
         self.path = file.path.parent / NAME
         self._slaves, self._prepared = context.slaves, context.prepared
-        self._recording, self._file = recording, file
+        self._recording, self._file, self._texts = recording, file, texts
         plan = context.plan
         self._said = {
-            "format": FORMAT,
+            "run": file.run,
             "system": encode(context.system),
             "master": _written(context.master),
             "settings": encode(context.settings),
             "fmus": dict(zip(plan.names, (d.sha256 for d in plan.descriptions), strict=True)),
-            "first_row": file.first_row,
         }
 
     def write(self, rows: int) -> None:
         """Write one after `rows` rows; raises CheckpointError, ResultsError, SlaveError."""
         self._recording.take(rows, now=True)
         self._file.sync()
-        said = {**self._said, "rows": rows, "kept": self._file.rows}
+        said = {
+            **self._said,
+            "rows": rows,
+            "kept": self._file.rows,
+            "texts": self._texts.changes,
+        }
         arrays: dict[str, Any] = {
             "said": np.frombuffer(json.dumps(said).encode(), np.uint8),
             **{f"master_{n}": array for n, array in enumerate(_carried(self._prepared))},
@@ -114,10 +140,14 @@ class Checkpoints:
         }
         for n, slave in enumerate(self._slaves):
             arrays[f"state_{n}"] = np.frombuffer(slave.state(), np.uint8)
+        packed = io.BytesIO()
+        np.savez(packed, **arrays)
+        content = packed.getbuffer()
         new = self.path.with_name(f"{NAME}.new")
         try:
             with new.open("wb") as stream:
-                np.savez(stream, **arrays)
+                stream.write(MAGIC + sha256(content).digest())
+                stream.write(content)
                 stream.flush()
                 os.fsync(stream.fileno())
             new.replace(self.path)
@@ -128,30 +158,34 @@ class Checkpoints:
 
     def remove(self) -> None:
         """Remove the last one, which a run that is complete does not need."""
-        self.path.unlink(missing_ok=True)
+        remove_checkpoint(self.path.parent)
+
+
+def remove_checkpoint(folder: Path) -> None:
+    """Remove the checkpoint in a folder, if there is one."""
+    (folder / NAME).unlink(missing_ok=True)
 
 
 def read_checkpoint(folder: Path | str) -> Checkpoint:
     """The last checkpoint in a folder; raises CheckpointError."""
     path = Path(folder) / NAME
     try:
-        with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as stored:
+        with np.load(io.BytesIO(_whole(path)), allow_pickle=False) as stored:
             arrays = {name: stored[name] for name in stored.files}
         said = json.loads(arrays.pop("said").tobytes())
-        if said["format"] != FORMAT:
-            raise CheckpointError(f"'{path}' is of another version of this program; run anew")
         states = [
             arrays.pop(f"state_{n}").tobytes()
             for n in range(sum(name.startswith("state_") for name in arrays))
         ]
         return Checkpoint(
+            run=said["run"],
             system=decode(said["system"]),
             master=decode(said["master"]),
             settings=decode(said["settings"]),
             fmus=said["fmus"],
             rows=said["rows"],
             kept=said["kept"],
-            first_row=said["first_row"],
+            texts=said["texts"],
             states=states,
             arrays=arrays,
         )
@@ -161,7 +195,20 @@ def read_checkpoint(folder: Path | str) -> Checkpoint:
             "complete; ask for some when it begins"
         ) from None
     except (OSError, ValueError, KeyError, TypeError, AttributeError, zipfile.BadZipFile) as error:
-        raise CheckpointError(f"'{path}' cannot be read: {error}") from None
+        raise CheckpointError(f"'{path}' cannot be read: {error}; run anew") from None
+
+
+def _whole(path: Path) -> bytes:
+    """What a checkpoint holds, if it is what was written; raises CheckpointError, OSError."""
+    content = path.read_bytes()
+    begin = len(MAGIC) + sha256().digest_size
+    if not content.startswith(MAGIC):
+        raise CheckpointError(
+            f"'{path}' is no checkpoint of this version of the program, or damaged; run anew"
+        )
+    if sha256(content[begin:]).digest() != content[len(MAGIC) : begin]:
+        raise CheckpointError(f"'{path}' is damaged: it is not what the run wrote; run anew")
+    return content[begin:]
 
 
 def refuse_without_state(slaves: Sequence[Slave]) -> None:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from functools import cached_property
 from typing import Self
+from uuid import uuid4
 
 import numpy as np
 
@@ -17,7 +18,8 @@ from ..fmu.description import Variable
 from ..masters.base import Master
 from ..plan.plan import make_plan
 from ..results.energy import BondResidual
-from ..results.netcdf import NAME, STOPPED, VERDICT, ResultsFile
+from ..results.folder import owned
+from ..results.netcdf import NAME, RUN, STOPPED, VERDICT, ResultsFile
 from ..results.provenance import provenance
 from ..results.recording import Recording
 from ..results.run import Run, Statistics
@@ -25,7 +27,7 @@ from ..results.sink import Header, Sink
 from ..slaves.session import Session
 from ..system.system import System
 from ..trust.findings import Evidence
-from .checkpoint import Checkpoint, Checkpoints, refuse_without_state
+from .checkpoint import Checkpoint, Checkpoints, refuse_without_state, remove_checkpoint
 from .context import Context
 from .initial_values import settle
 from .log import Logger, listener
@@ -85,8 +87,10 @@ class Execution:
         self._end()
 
     def prepare(self) -> None:
-        """Load the instances and give them their start values."""
+        """Load the instances and give them their start values; own the folder from here on."""
         c = self.context
+        if c.settings.out is not None:
+            self._open.enter_context(owned(c.settings.out))
         self._loaded = self._session or self._open.enter_context(Session())
         c.slaves = self._loaded.slaves(
             c.system, c.plan, self._open, self._heard, self.isolated, c.settings.timeout
@@ -174,6 +178,8 @@ class Execution:
         if self.outcome is None and self._row < c.grid.steps:
             self.outcome = Outcome(Kind.LEFT, self.time)
         message = None if self.outcome is None else str(self.outcome)
+        done, wall = stepper.rows_done, stepper.wall
+        table = self._file.read() if self._file else self._recording.kept(0, done)
         for sink in self._recording.sinks:
             sink.finish({STOPPED: message, VERDICT: verdict})
         if self._checkpoints is not None and message is None:
@@ -182,8 +188,6 @@ class Execution:
         if message is None and self._logger is None:
             self._loaded.keep(c.slaves)
         self._end()
-        done, wall = stepper.rows_done, stepper.wall
-        table = self._file.read() if self._file else self._recording.kept(0, done)
         ended = {VERDICT: verdict, STOPPED: message}
         return Run(
             time=table[:, 0],
@@ -220,12 +224,12 @@ class Execution:
             self._texts.begin(c.grid.start)
         self._checkpoints = None
         if self._interval and self._file is not None:
-            self._checkpoints = Checkpoints(self._interval, c, recording, self._file)
+            self._checkpoints = Checkpoints(self._interval, c, recording, self._file, self._texts)
         self._stepper = stepper = Stepper(c, recording, self._texts, self._checkpoints)
         if resumed is not None:
             resumed.restore(c.slaves, c.prepared, recording)
             stepper.resume(resumed.rows)
-            self._texts.resume(c.grid.time(resumed.rows - 1))
+            self._texts.resume(resumed.texts)
         elif self._checkpoints is not None:
             self._checkpoints.write(stepper.rows_done)
         if self._heard is not None:
@@ -243,10 +247,12 @@ class Execution:
         self._attributes = provenance(
             c.plan,
             {
+                RUN: self._resumed.run if self._resumed else uuid4().hex,
                 "command": settings.command,
                 "master": c.master.name,
                 "step": grid.step,
                 "start": grid.start,
+                "every": settings.every,
             },
             [*self.notes, *c.plan.notes, *c.prepared.notes],
             self.evidence.attributes(),
@@ -266,10 +272,10 @@ class Execution:
         out, resumed = self.context.settings.out, self._resumed
         if out is None:
             return None
-        if resumed is None:
-            return ResultsFile(out / NAME)
-        width = 1 + len(self._variables())
-        return ResultsFile.reopen(out / NAME, resumed.first_row, width, resumed.kept)
+        if resumed is not None:
+            return resumed.reopened(out / NAME)
+        remove_checkpoint(out)  # of a run whose results are replaced
+        return ResultsFile(out / NAME)
 
     def _variables(self) -> list[tuple[str, Variable]]:
         plan = self.context.plan

@@ -7,8 +7,9 @@ being a call of its own from Python, some tens of microseconds more.
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from ..plan.plan import Plan
 from ..slaves.base import Slave
@@ -52,16 +53,12 @@ class Texts:
             write_texts(self.changes, self._folder)
         self.exchange(time)
 
-    def resume(self, time: float) -> None:
-        """Go on from what was written until a time [s]."""
-        if self._folder is None or not self.changes:
-            return
-        with (self._folder / NAME).open(newline="") as stream:
-            _, *rows = csv.reader(stream)
-        for when, name, text in rows:
-            if float(when) <= time:
-                self.changes[name].append((float(when), text))
-        write_texts(self.changes, self._folder)
+    def resume(self, changes: Mapping[str, Sequence[Sequence[Any]]]) -> None:
+        """Go on from the changes until then."""
+        for name, found in changes.items():
+            self.changes[name] = [(time, text) for time, text in found]
+        if self._folder is not None:
+            write_texts(self.changes, self._folder)
 
     def exchange(self, time: float) -> None:
         """Carry texts along the connections once, and record what changed at a time [s]."""

@@ -11,15 +11,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import OrchestratorError
+from ..errors import OrchestratorError, ResultsError
 from ..masters.base import Master
 from ..plan.plan import make_plan
-from ..results.netcdf import VERDICT, ResultsFile
+from ..results.folder import owned
+from ..results.netcdf import RUN, VERDICT, ResultsFile
+from ..results.reading import run_of
 from ..results.run import Run
 from ..run.log import Logger
 from ..run.settings import Settings, chosen
@@ -110,9 +113,20 @@ def verify(
     )
     judged.attributes |= {VERDICT: str(judged.verdict)}
     if run.path is not None:
-        file = ResultsFile.finished(run.path, 1 + len(run.variables))
-        file.finish({VERDICT: str(judged.verdict)})
+        _say(run.path, judged)
     return judged
+
+
+def _say(path: Path, judged: Run) -> None:
+    """Have a file say the verdict, if it is still that of the run."""
+    try:
+        with owned(path.parent):
+            if run_of(path) == judged.attributes.get(RUN):
+                ResultsFile.reopen(path).finish({VERDICT: str(judged.verdict)})
+                return
+        judged.notes.append(f"'{path}' is of another run by now, and does not say the verdict")
+    except ResultsError as error:
+        judged.notes.append(f"the file does not say the verdict: {error}")
 
 
 def _chosen(system: System, outputs: Sequence[str] | None) -> list[str]:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from orchestrator import owned
 
 from ..car.hopper import CARS, hopper_car
 from ..errors import choices
@@ -50,9 +53,9 @@ def sweep(
     axes = _axes(over)
     shape = _shape(options, axes)
     points = list(product(*(axis.values for axis in axes)))
-    with tempfile.TemporaryDirectory() as temporary:
-        folder = Path(out) if out is not None else Path(temporary)
-        folder.mkdir(parents=True, exist_ok=True)
+    with ExitStack() as stack:
+        folder = Path(out or stack.enter_context(tempfile.TemporaryDirectory()))
+        stack.enter_context(owned(folder))
         store = Store(folder, _asked(axes, shape, outputs))
         tasks = {
             number: shaped(axes, point, shape)

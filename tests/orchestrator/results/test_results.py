@@ -64,8 +64,9 @@ def test_folder_that_cannot_be_written(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(OrchestratorError) as caught:
         run.write(tmp_path / "file" / "folder")
-    assert "results.nc' cannot be written: not a directory; choose another folder" in str(
-        caught.value
+    assert str(caught.value) == (
+        f"'{tmp_path / 'file' / 'folder'}' cannot be written to: not a directory; choose another "
+        "folder"
     )
 
 

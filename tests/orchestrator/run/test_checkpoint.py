@@ -112,7 +112,10 @@ def test_checkpoints_that_cannot_be(tmp_path):
         "complete; ask for some when it begins"
     )
     (tmp_path / "checkpoint").write_bytes(b"PK torn")
-    assert refusal(resume, tmp_path).startswith(f"'{tmp_path / 'checkpoint'}' cannot be read: ")
+    assert refusal(resume, tmp_path) == (
+        f"'{tmp_path / 'checkpoint'}' is no checkpoint of this version of the program, or damaged; "
+        "run anew"
+    )
 
 
 def test_changed_fmu_or_missing_results_are_refused_on_resume(tmp_path):
@@ -125,10 +128,10 @@ def test_changed_fmu_or_missing_results_are_refused_on_resume(tmp_path):
     )  # fmt: skip
     assert read_checkpoint(out).system.components["truck"].fmu == own
     kept = (out / "results.nc").read_bytes()
-    (out / "results.nc").write_bytes(kept[:20_000])
-    assert refusal(resume, out) == (
-        f"'{out / 'results.nc'}' is shorter than its checkpoint says; run anew"
-    )
+    (out / "results.nc").write_bytes(kept[:-30_000])
+    said = refusal(resume, out)
+    assert said.startswith(f"'{out / 'results.nc'}' was cut: it holds ")
+    assert said.endswith("; run anew, or put a whole copy in its place")
     (out / "results.nc").write_bytes(kept)
     own.write_bytes(fmu_path("truck").read_bytes() + b"\0")
     said = refusal(resume, out)

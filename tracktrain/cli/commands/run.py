@@ -88,6 +88,7 @@ def command(
     kept, isolate, shape = Kept.taken(options), options.pop("isolate"), Shape.taken(options)
     resume = kept.resume
     folder = writable(resume or out)
+    ctx.with_resource(orchestrator.owned(folder, for_runs=True))
     start: Callable[..., Run]
     if resume is not None:
         others = {param.name or "" for param in ctx.command.params} - {*RESUMED}
