@@ -38,6 +38,10 @@ class DimensionError(UnitError):
     """A unit measures something else."""
 
 
+class MixtureError(UnitError):
+    """A difference meets what is none, in units whose zeros differ."""
+
+
 class SlaveError(OrchestratorError):
     """An FMU could not be loaded, or refused what it was given before the run began."""
 

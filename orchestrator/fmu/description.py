@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from .types import TYPES
-from .units import Definitions
+from .units import Definitions, Unit
 
 CO_SIMULATION, MODEL_EXCHANGE = "co-simulation", "model exchange"
 
@@ -34,6 +34,7 @@ class Variable:
     reference: by which it is set and read; a number of its own where it has a `lane`, else the
     value reference. dimensions: sizes, or names of the structural parameters that give them; an
     array that is coupled is taken apart into variables without. starts: those of an array.
+    difference: its values are differences, to which no offset of a unit belongs.
     interpolated: an input that may vary over a step.
     """
 
@@ -44,6 +45,7 @@ class Variable:
     variability: str = "continuous"
     initial: str | None = None
     unit: str | None = None
+    difference: bool = False
     start: str | None = None
     minimum: float | None = None
     maximum: float | None = None
@@ -127,6 +129,12 @@ class Description:
     def find(self, name: str) -> Variable | None:
         """The variable of a name, which may be an alias."""
         return self.variables.get(name) or self.variables.get(self.aliases.get(name, ""))
+
+    def unit_of(self, variable: Variable) -> Unit | None:
+        """A variable's unit as this FMU means it; None for a variable without one."""
+        if variable.unit is None:
+            return None
+        return Unit(variable.unit, self.units, variable.difference)
 
     def interpolates(self, variable: Variable) -> bool:
         """Whether an input can be led along a line over a step."""

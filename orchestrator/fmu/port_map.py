@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 from ..errors import CouplingError, UnitError, choices
 from .arrays import element_names, shaped, with_lanes
 from .description import Description, Lane, Tangent, Variable
-from .units import conversion
+from .units import Unit
 
 
 @dataclass(frozen=True)
@@ -203,14 +203,15 @@ def _renamed(variable: Variable, taken: Mapping[str, str], factor: Mapping[str, 
 
 def _in_unit(name: str, port: Port, own: Description, other: Description) -> Port:
     """The port in the unit that its name has in `own`."""
-    expected = own.find(name)
-    unit = port.unit or other.variables[_known(port.name, name, other)].unit
+    expected, theirs = own.find(name), other.variables[_known(port.name, name, other)]
+    unit = port.unit or theirs.unit
     if expected is None or expected.unit is None:
         return replace(port, unit=unit)
     if unit is None:
         return replace(port, unit=expected.unit)
     try:
-        found = conversion(unit, expected.unit, other.units, own.units)
+        given = Unit(unit, other.units, theirs.difference or None)
+        found = given.to(Unit(expected.unit, own.units, expected.difference or None))
     except UnitError as error:
         raise CouplingError(f"the port map's {name} = {port.name}: {error}") from None
     if found is None:

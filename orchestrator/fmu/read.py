@@ -216,12 +216,22 @@ def _variables(contents: Contents) -> dict[str, Variable]:
         for element in contents.root.iterfind("ModelVariables/*[@intermediateUpdate]")
         if _is_true(element.attrib, "intermediateUpdate")
     }
+    # Nor whether a variable is a difference, but of its type.
+    differences = {
+        element.get("name"): _is_true(said, "relativeQuantity")
+        for element in contents.root.iterfind("ModelVariables/*")
+        for said in (element.attrib, *(inner.attrib for inner in element))
+        if "relativeQuantity" in said
+    }
     fmi3 = contents.version.startswith("3.")
     called = {v.valueReference: v.name for v in reversed(read.modelVariables)}
     variables = {}
     for v in read.modelVariables:
         if v.alias is None:
             variable = _variable(v, depends.get(v.name), called)
+            of_type = v.declaredType is not None and v.declaredType.relativeQuantity
+            difference = differences.get(v.name, of_type)
+            variable = replace(variable, difference=difference)
             if fmi3:
                 starts = texts.get(v.name) or tuple((variable.start or "").split())
                 variable = replace(
@@ -249,7 +259,7 @@ def _variable(read: Any, dependencies: frozenset[str] | None, names: Mapping[int
         causality=read.causality,
         variability=read.variability,
         initial=read.initial,
-        unit=attribute("unit"),
+        unit=attribute("unit") or None,
         start=read.start,
         minimum=None if minimum is None else float(minimum),
         maximum=None if maximum is None else float(maximum),

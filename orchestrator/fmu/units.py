@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
-from ..errors import DimensionError, UnitError
+from ..errors import DimensionError, MixtureError, UnitError
 
 _NUMBER = re.compile(
     r"\s*([+-]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|nan|inf(?:inity)?))(.*)", re.I
@@ -89,6 +89,49 @@ def scale_of(unit: str, definitions: Definitions | None = None) -> Scale:
     return _pint_scale(unit)
 
 
+@dataclass(frozen=True)
+class Unit:
+    """A unit by name, what the file that it comes from says of it, and what its values are.
+
+    difference: whether they are differences, for which FMI has `relativeQuantity` and which no
+    offset belongs to: 10 degC are 10 K. None: as at the other end.
+    """
+
+    name: str
+    definitions: Definitions = field(default_factory=dict)
+    difference: bool | None = None
+
+    @property
+    def scale(self) -> Scale:
+        """As the file defines it, else as FMI or pint writes it; raises UnitError."""
+        return scale_of(self.name, self.definitions)
+
+    def to(self, target: Unit) -> tuple[float, float] | None:
+        """Gain and offset from this unit to another; None if they measure different things.
+
+        Units of one name are the same, known or not, unless both files define it, and differently.
+        Raises UnitError for one that is not known, MixtureError for a difference at one end alone
+        where an offset would tell it from the whole.
+        """
+        if self.name == target.name:
+            own, other = (unit.definitions.get(unit.name) for unit in (self, target))
+            if own is None or other is None or own == other:
+                return 1.0, 0.0
+        first, second = self.scale, target.scale
+        found = first.to(second)
+        if found is None:
+            return None
+        differences = {self.difference, target.difference}
+        if True not in differences:
+            return found
+        if False in differences and (second if self.difference else first).offset:
+            raise MixtureError(
+                f"only {'the first' if self.difference else 'the second'} is a difference "
+                "(relativeQuantity), and the zero of the other one is its own"
+            )
+        return found[0], 0.0
+
+
 def conversion(
     source: str,
     target: str,
@@ -96,9 +139,7 @@ def conversion(
     target_definitions: Definitions | None = None,
 ) -> tuple[float, float] | None:
     """Gain and offset from one unit to another; None if they measure different things."""
-    if source == target:
-        return 1.0, 0.0
-    return scale_of(source, source_definitions).to(scale_of(target, target_definitions))
+    return Unit(source, source_definitions or {}).to(Unit(target, target_definitions or {}))
 
 
 @dataclass(frozen=True)

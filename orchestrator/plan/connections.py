@@ -187,6 +187,8 @@ def _unit_problem(
     )
     if units.problem is Problem.UNKNOWN_UNIT:
         return f"{ends}: {units.detail}; define it in the FMU's UnitDefinitions"
+    if units.problem is Problem.DIFFERENCE:
+        return f"{ends}: {units.detail}; suppress the unit conversion, and say what is meant"
     instance = connection.source.partition(".")[0]
     fitting = [f"{instance}.{v.name}" for v in giving.outputs if v.unit == port.unit]
     return f"{ends}; outputs in {port.unit}: {', '.join(fitting) if fitting else 'none'}"

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum, auto
 
-from ..errors import UnitError
+from ..errors import MixtureError, UnitError
 from ..fmu.description import Description, Variable
-from ..fmu.units import conversion
 
 DRIVES = {
     ("real", "real"),
@@ -31,6 +30,8 @@ class Problem(Enum):
     UNKNOWN_UNIT = auto()
     DIMENSION = auto()
     """The units measure different things."""
+    DIFFERENCE = auto()
+    """One end is a difference, and the other is none."""
 
 
 @dataclass(frozen=True)
@@ -47,10 +48,13 @@ def fit(output: Variable, giving: Description, port: Variable, taking: Descripti
     """How an output of one FMU fits an input of another; a variable without a unit fits any."""
     if (output.kind, port.kind) not in DRIVES:
         return Fit(problem=Problem.KIND)
-    if output.kind not in MEASURED or output.unit is None or port.unit is None:
+    given, taken = giving.unit_of(output), taking.unit_of(port)
+    if output.kind not in MEASURED or given is None or taken is None:
         return Fit()
     try:
-        found = conversion(output.unit, port.unit, giving.units, taking.units)
+        found = given.to(taken)
+    except MixtureError as error:
+        return Fit(problem=Problem.DIFFERENCE, detail=str(error))
     except UnitError as error:
         return Fit(problem=Problem.UNKNOWN_UNIT, detail=str(error))
     return Fit(problem=Problem.DIMENSION) if found is None else Fit(*found)

@@ -10,7 +10,7 @@ from ..errors import UnitError, ValueRefusedError, choices
 from ..fmu.arrays import MOST, element_names, shaped
 from ..fmu.description import Description, Variable
 from ..fmu.types import TYPES
-from ..fmu.units import Quantity, conversion
+from ..fmu.units import Quantity, Unit
 from ..system.system import Value
 
 WHOLE = ("integer", "enumeration")
@@ -173,7 +173,8 @@ def _number(
     if not given.unit:
         return given.value
     try:
-        found = conversion(given.unit, unit, description.units, description.units)
+        own = Unit(unit, description.units, variable.difference)
+        found = Unit(given.unit, description.units).to(own)
     except UnitError as error:
         raise ValueRefusedError(
             f"{full} cannot be '{value}': {error}; its unit is {unit or '1'}"

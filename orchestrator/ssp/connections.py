@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..errors import CouplingError, UnitError, choices
-from ..fmu.units import Definitions, conversion
+from ..fmu.units import Unit
 from ..system.system import Connection
 from ..system.transformation import IDENTITY, Linear, Transformation, composed
 from .mapping import transformation
@@ -15,14 +15,6 @@ from .xml import Node
 
 GIVES = {"output", "calculatedParameter", "constant", "local"}
 TAKES = {"input", "parameter", "structuralParameter"}
-
-
-@dataclass(frozen=True)
-class Unit:
-    """A unit's name, and what the file that it comes from says of it."""
-
-    name: str
-    definitions: Definitions
 
 
 @dataclass(frozen=True)
@@ -41,7 +33,8 @@ class Port:
         """The unit as declared here, else as the FMU has it."""
         declared = self.owner.connectors.get(self.name)
         if declared and declared.unit:
-            return Unit(declared.unit, self.owner.document.units)
+            own = self.own_unit
+            return Unit(declared.unit, self.owner.document.units, own and own.difference)
         return self.own_unit
 
     @property
@@ -49,8 +42,8 @@ class Port:
         """The unit that the FMU itself gives."""
         if self.owner.fmu is None:
             return None
-        variable = variable_of(self.owner.description, self.name)
-        return Unit(variable.unit, self.owner.description.units) if variable.unit else None
+        description = self.owner.description
+        return description.unit_of(variable_of(description, self.name))
 
     @property
     def kind(self) -> str | None:
@@ -232,7 +225,7 @@ class Step:
         if self.suppress_unit_conversion or self.unit is None or given is None:
             return IDENTITY
         try:
-            found = conversion(given.name, self.unit.name, given.definitions, self.unit.definitions)
+            found = given.to(self.unit)
         except UnitError as error:
             self.node.fail(f"{self.label}: {error}")
         return None if found is None else Linear(*found)
@@ -259,7 +252,10 @@ def along(steps: Sequence[Step], unit: Unit | None) -> Transformation:
             assert unit is not None and step.unit is not None
             step.node.fail(f"{step.label}: {unit.name} cannot be converted to {step.unit.name}")
         parts += [converted, step.transformation]
-        unit = step.unit or (None if step.suppress_unit_conversion else unit)
+        if step.unit and step.unit.difference is None and unit is not None:
+            unit = replace(step.unit, difference=unit.difference)
+        else:
+            unit = step.unit or (None if step.suppress_unit_conversion else unit)
     try:
         return composed(parts)
     except CouplingError as error:

@@ -10,11 +10,11 @@ from xml.etree.ElementTree import Element, SubElement
 from ..errors import SspError, UnitError
 from ..fmu.description import Description, Variable
 from ..fmu.types import TYPES
-from ..fmu.units import BaseUnit, Definitions, Quantity, base_unit, scale_of
+from ..fmu.units import BaseUnit, Definitions, Quantity, Unit, base_unit, scale_of
 from ..plan.start_values import resolve
 from ..system.system import Component, Value
 from ..system.transformation import IDENTITY, Linear, Table, Transformation
-from .connections import Step, Unit, along
+from .connections import Step, along
 from .package import unit_definitions
 from .xml import Node, new_document, text_of
 
