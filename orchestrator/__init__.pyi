@@ -8,6 +8,7 @@ from .errors import (
     ResultsError,
     UnitError,
     choices,
+    plain,
 )
 from .fmu.archive import Archive, open_archive
 from .fmu.arrays import shaped, taken_apart
@@ -123,6 +124,7 @@ __all__ = [
     "options_of_masters",
     "owned",
     "peak",
+    "plain",
     "read_checkpoint",
     "read_port_map",
     "read_ssp",

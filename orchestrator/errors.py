@@ -3,11 +3,50 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
+
+WORD, TEXT = 400, 4000
+"""Characters of a word, and of a text, above which only their ends are shown."""
+
+_LONG = re.compile(rf"\S{{{WORD},}}")
+
+CONSIDERED = 20_000
+"""Names among which a close one is looked for."""
+
+
+def plain(text: str) -> str:
+    """Text from elsewhere as it can be shown: one line, not endless, no escape sequences.
+
+    What cannot be printed stands as Python writes it, such as `\\x1b`.
+    """
+    if len(text) > TEXT:
+        text = f"{text[: TEXT // 2]} ... {text[-TEXT // 2 :]}"
+    return printable(_LONG.sub(_clipped, text))
+
+
+def printable(text: str) -> str:
+    """Text without what cannot be printed, escape sequences above all: `\\x1b` stands for it."""
+    return text if text.isprintable() else "".join(map(_shown, text))
+
+
+def _clipped(word: re.Match[str]) -> str:
+    return f"{word[0][: WORD // 4]}...{word[0][-WORD // 10 :]}"
+
+
+def _shown(character: str) -> str:
+    if character.isprintable():
+        return character
+    if character.isspace() and character not in "\x1c\x1d\x1e\x1f\x85":
+        return " "
+    return character.encode("unicode_escape", "surrogatepass").decode()
 
 
 class OrchestratorError(Exception):
-    """Base of this package's errors."""
+    """Base of this package's errors; what they quote is shown by `plain`."""
+
+    def __str__(self) -> str:
+        return plain(super().__str__())
 
 
 class FmuError(OrchestratorError):
@@ -75,7 +114,8 @@ def choices(asked: str, available: Iterable[str], limit: int = 12) -> str:
     names = list(available)
     if not names:
         return "there are none"
-    close = difflib.get_close_matches(asked, names, n=3, cutoff=0.6)
+    considered = [name for name in names[:CONSIDERED] if len(name) <= WORD]
+    close = difflib.get_close_matches(asked[:WORD], considered, n=3, cutoff=0.6)
     guess = f"did you mean {' or '.join(close)}? " if close else ""
     shown = ", ".join(names[:limit])
     more = f" and {len(names) - limit} more" if len(names) > limit else ""

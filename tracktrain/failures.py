@@ -9,6 +9,8 @@ from contextlib import contextmanager
 
 import click
 
+from orchestrator import plain
+
 PACKAGES = ("tracktrain", "orchestrator", "fmus")
 
 
@@ -49,9 +51,9 @@ def clear_errors() -> Iterator[None]:
             "the results do not fit into memory; give a shorter --duration or a longer --step"
         ) from None
     except OSError as error:
-        raise Stopped(str(error)) from None
+        raise Stopped(plain(str(error))) from None
     except Exception as error:
         if type(error).__module__.partition(".")[0] in PACKAGES:
             raise BadInput(str(error)) from None
-        fault = f"{type(error).__name__}: {error}"
+        fault = plain(f"{type(error).__name__}: {error}")
         raise Stopped(f"{fault} (this is a fault of tracktrain, please report it)") from error

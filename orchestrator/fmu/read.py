@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-import os
+import io
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -15,8 +15,9 @@ from xml.etree import ElementTree
 import fmpy
 
 from ..errors import FmuError, choices
-from .archive import open_archive
+from .archive import check_file, open_archive
 from .arrays import taken_apart
+from .check import first_problem
 from .description import CO_SIMULATION, MODEL_EXCHANGE, Description, Tangent, Variable
 from .units import definitions
 
@@ -82,11 +83,23 @@ class Contents:
                 f"'{self.path}' is an FMU of FMI {self.version or '?'}; FMI 1.0, 2.0 and 3.0 can "
                 "be read"
             )
+        if problem := first_problem(self.root):
+            raise self.wrong(problem)
         try:
-            return fmpy.read_model_description(str(self.path), validate=False)
+            alone = _in_an_archive(ElementTree.tostring(self.root))
+            return fmpy.read_model_description(alone, validate=False)
         except Exception as error:  # fmpy raises plain exceptions
-            problem = _first_problem(self.path, error)
-            raise FmuError(f"'{self.path}' has a wrong modelDescription.xml: {problem}") from None
+            raise self.wrong(error) from None
+
+    def wrong(self, problem: str | Exception) -> FmuError:
+        """What to raise where the description is wrong; of an exception, what the schema says."""
+        if isinstance(problem, Exception):
+            try:
+                with open_archive(self.path) as archive:
+                    fmpy.read_model_description(_in_an_archive(archive.read(DESCRIPTION)))
+            except Exception as found:
+                problem = str(next(iter(getattr(found, "problems", [])), problem))
+        return FmuError(f"'{self.path}' has a wrong modelDescription.xml: {problem}")
 
 
 def describe(
@@ -97,7 +110,8 @@ def describe(
     sizes: values of structural parameters, where they are not those of the start.
     """
     path = Path(path)
-    stamp = _stat(path)
+    check_file(path, "FMU")
+    stamp = path.stat()
     given = tuple(sorted((sizes or {}).items()))
     return _describe(path.resolve(), stamp.st_mtime_ns, stamp.st_size, given, interface)
 
@@ -105,9 +119,7 @@ def describe(
 def open_fmu(path: Path) -> Contents:
     """Open an FMU of any version, for whatever machine; raises FmuError for what is no FMU."""
     path = Path(path)
-    _stat(path)
-    if path.is_dir():
-        raise FmuError(f"'{path}' is no FMU: it is a folder")
+    check_file(path, "FMU")
     if not zipfile.is_zipfile(path):
         raise FmuError(f"'{path}' is no FMU: it is not a zip archive")
     with open_archive(path) as archive:
@@ -122,6 +134,15 @@ def survey(contents: Contents, interface: str = CO_SIMULATION) -> Description:
     It is that of another interface where the FMU does not offer this one. `binary` is empty if this
     machine's is missing.
     """
+    try:
+        return _survey(contents, interface)
+    except FmuError:
+        raise
+    except Exception as error:  # of what neither the check nor fmpy looked at
+        raise contents.wrong(error) from None
+
+
+def _survey(contents: Contents, interface: str) -> Description:
     interfaces = contents.interfaces
     said = interfaces.get(interface) or next(iter(interfaces.values()), {})
     variables = _variables(contents)
@@ -144,7 +165,7 @@ def survey(contents: Contents, interface: str = CO_SIMULATION) -> Description:
         guid=model.guid or "",
         model_identifier=identifier,
         binary=contents.binary(identifier),
-        sha256=hashlib.sha256(contents.path.read_bytes()).hexdigest(),
+        sha256=_sha256(contents.path),
         failure_categories=tuple(c.name for c in model.logCategories or () if c.name in FAILURES),
         aliases={v.name: v.alias.name for v in model.modelVariables if v.alias is not None},
         has_events=_is_true(said, "hasEventMode"),
@@ -166,29 +187,41 @@ def _describe(
         raise FmuError(f"'{path}' offers {offered} only; an FMU for {interface} is needed")
     description = taken_apart(survey(contents, interface), dict(sizes))
     if not description.binary:
-        offered = ", ".join(contents.platforms)
-        raise FmuError(
-            f"'{path}' has no binary for this platform ({fmpy.platform}); "
-            + (f"it has: {offered}" if offered else "it has none at all")
-        )
+        raise FmuError(f"'{path}' {_without_binary(contents, description.model_identifier)}")
     return description
 
 
-def _stat(path: Path) -> os.stat_result:
-    try:
-        return path.stat()
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise FmuError(f"the FMU '{path}' cannot be read: {reason}") from None
+def _without_binary(contents: Contents, identifier: str) -> str:
+    """Why there is no binary for this machine."""
+    wanted = identifier + fmpy.sharedLibraryExtension
+    for folder in (fmpy.platform_tuple, fmpy.platform):
+        inside = [
+            name.rpartition("/")[2]
+            for name in contents.members
+            if name.rpartition("/")[0] == f"binaries/{folder}" and not name.endswith("/")
+        ]
+        if inside:
+            return (
+                f"has no {wanted} in binaries/{folder}, which is what its model identifier "
+                f"'{identifier}' calls for; there is {', '.join(inside)}"
+            )
+    offered = ", ".join(contents.platforms)
+    return f"has no binary for this platform ({fmpy.platform}); " + (
+        f"it has: {offered}" if offered else "it has none at all"
+    )
 
 
-def _first_problem(path: Path, error: Exception) -> str:
-    """What the schema finds wrong, which says it better than the error that it led to."""
-    try:
-        fmpy.read_model_description(str(path))
-    except Exception as found:
-        return str(next(iter(getattr(found, "problems", [])), error))
-    return str(error)
+def _in_an_archive(description: bytes) -> io.BytesIO:
+    """A description in an archive that has nothing else, as fmpy reads it."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        archive.writestr(DESCRIPTION, description)
+    return stream
+
+
+def _sha256(path: Path) -> str:
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def _is_true(attributes: Mapping[str, str], *names: str) -> bool:

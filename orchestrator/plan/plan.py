@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -67,18 +67,21 @@ class Plan:
 
 
 def make_plan(
-    system: System, record: Sequence[str] | None = None, interface: str = CO_SIMULATION
+    system: System,
+    record: Sequence[str] | None = None,
+    interface: str = CO_SIMULATION,
+    isolated: Collection[str] = (),
 ) -> Plan:
     """Check a system and number its parts; raises OrchestratorError for what does not fit.
 
     record: names or patterns (`*`, `?`) of the outputs to keep; None keeps all. interface: for
-    which the FMUs are to run.
+    which the FMUs are to run. isolated: instances that run in processes of their own.
     """
     names = _instances(system)
     descriptions = [
         component_description(name, c, interface) for name, c in system.components.items()
     ]
-    _check_single_instances(names, descriptions)
+    _check_single_instances(names, descriptions, isolated)
     every = [_every(name, component.every) for name, component in system.components.items()]
     notes = list(system.notes)
     links, text_links = find_links(system.connections, names, descriptions, notes)
@@ -197,17 +200,19 @@ def component_description(
     return component.ports.applied(described) if component.ports else described
 
 
-def _check_single_instances(names: list[str], descriptions: list[Description]) -> None:
-    for description in descriptions:
+def _check_single_instances(
+    names: list[str], descriptions: list[Description], isolated: Collection[str]
+) -> None:
+    here = {n: d for n, d in zip(names, descriptions, strict=True) if n not in isolated}
+    for description in here.values():
         if not description.single_instance:
             continue
-        same = [
-            n for n, d in zip(names, descriptions, strict=True) if d.sha256 == description.sha256
-        ]
+        same = [n for n, d in here.items() if d.sha256 == description.sha256]
         if len(same) > 1:
             raise CouplingError(
                 f"{' and '.join(same)} are instances of {description.label}, which says that it "
-                "can be instantiated only once in a process; give each its own FMU"
+                "can be instantiated only once in a process; isolate all but one, which gives "
+                "them processes of their own"
             )
 
 

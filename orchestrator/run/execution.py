@@ -66,7 +66,7 @@ class Execution:
         self._began = time.perf_counter()
         grid, self.notes = settings.grid(system.experiment)
         self._interval = settings.interval(grid.step)
-        plan = make_plan(system, settings.record)
+        plan = make_plan(system, settings.record, isolated=settings.isolate)
         settings.check_isolated(system)
         if resumed is not None:
             resumed.check(plan)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SlaveError
+from ..errors import SlaveError, plain
 from ..fmu.description import Description, Variable
 from ..system.system import Value
 from .abi import DIRECTIONAL, FUNCTIONS, GET_REAL, NAMES, SET_REAL, Addresses
@@ -172,6 +172,7 @@ class Slave(ABC):
 
     def heard(self, status: int, text: str, time: float | None = None) -> None:
         """Keep what the FMU logged, at a time [s] that others need not know, and pass it on."""
+        text = plain(text)
         if status != Status.OK:
             self.messages.append(text)
             del self.messages[:-50]

@@ -34,7 +34,7 @@ class Port:
         declared = self.owner.connectors.get(self.name)
         if declared and declared.unit:
             own = self.own_unit
-            return Unit(declared.unit, self.owner.document.units, own and own.difference)
+            return Unit(declared.unit, self.owner.document.units, own.difference if own else None)
         return self.own_unit
 
     @property
@@ -123,8 +123,7 @@ def _hops(system: Element) -> Iterator[Hop]:
 
 def _end(system: Element, node: Node, which: str) -> Port:
     owner, connector = system, node.need(f"{which}Connector")
-    if node.has(f"{which}Element"):
-        name = node.get(f"{which}Element")
+    if name := node.get(f"{which}Element"):  # some tools write "" for the system itself
         if name not in system.elements:
             system.document.node.fail(
                 f"a connection of the {system.label} {which}s at the element '{name}'; "

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import get_args
 
-from ..errors import SspError
+from ..fmu.archive import read_file
 from ..system.transformation import IDENTITY, Kind, Linear, Table, Transformation
 from .xml import Node, parse
 
@@ -24,12 +24,8 @@ class MapEntry:
 
 
 def read_mapping(path: Path | str) -> tuple[MapEntry, ...]:
-    """The entries of a parameter map (.ssm); raises SspError for what is none."""
-    try:
-        data = Path(path).read_bytes()
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise SspError(f"the parameter map '{path}' cannot be read: {reason}") from None
+    """The entries of a parameter map (.ssm); raises OrchestratorError for what is none."""
+    data = read_file(Path(path), "parameter map")
     return entries(parse(data, str(path), "ParameterMapping"))
 
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import tempfile
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import islice
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
-from ..errors import SspError, choices
-from ..fmu.archive import open_archive
+from ..errors import OrchestratorError, SspError, choices
+from ..fmu.archive import Archive, allowed, check_file, open_archive, read_file, shown_size
 from ..fmu.read import open_fmu
 from ..fmu.units import BaseUnit
 from .xml import Node, check, parse
@@ -22,18 +24,66 @@ _UNPACKED: list[tempfile.TemporaryDirectory[str]] = []
 """Folders with the contents of archives; they go when the program ends."""
 
 
+NAMED = 1000
+"""Files among which one is looked for whose name is like that of a file that is not there."""
+
+
+@dataclass
+class Unpacked:
+    """What of an archive, and of those inside of it, has been unpacked.
+
+    outermost: the archive, beside which all others count. places: folders by the archives.
+    kept: where to unpack for good; None unpacks until the program ends.
+    """
+
+    outermost: Path
+    kept: Path | None = None
+    size: int = 0
+    places: dict[Path, Path] = field(default_factory=dict)
+
+    def folder(self, path: Path) -> Path:
+        """The folder with what an archive holds; raises ArchiveError or SspError."""
+        if path not in self.places:
+            with open_archive(path) as archive:
+                self._take(archive)
+                folder = self._new_folder()
+                archive.extract(archive.members, folder)
+            self.places[path] = folder.resolve()
+        return self.places[path]
+
+    def _take(self, archive: Archive) -> None:
+        self.size += archive.size
+        limit = allowed(self.outermost.stat().st_size)
+        if self.size > limit:
+            raise SspError(
+                f"'{self.outermost}' and the archives in it, '{archive.path.name}' the last, would "
+                f"unpack to {shown_size(self.size)} or more; at most {shown_size(limit)} are "
+                "accepted: unpack what you trust by hand, and run its .ssd"
+            )
+
+    def _new_folder(self) -> Path:
+        if self.kept is None:
+            temporary = tempfile.TemporaryDirectory(
+                prefix="tracktrain-ssp-", ignore_cleanup_errors=True
+            )
+            _UNPACKED.append(temporary)
+            return Path(temporary.name)
+        inside = len(self.places)
+        return self.kept / "inside" / str(inside) if inside else self.kept
+
+
 @dataclass(frozen=True)
 class Document:
-    """A system structure description (.ssd) in the folder that its references may not leave.
+    """A system structure description (.ssd), and what its references may lead to.
 
-    kept: where archives inside are unpacked for good; None unpacks them until the program ends.
+    folder: that they may not leave; None for a description that stands in no archive.
     """
 
     path: Path
-    folder: Path
+    folder: Path | None
     label: str
     node: Node
-    kept: Path | None = None
+    unpacked: Unpacked
 
     @cached_property
     def units(self) -> Mapping[str, BaseUnit]:
@@ -41,27 +91,31 @@ class Document:
 
     def place(self, uri: str, wanted: str) -> tuple[Path, str]:
         """File and fragment of a reference; raises SspError unless it is a file of this package."""
-        parts = urlsplit(uri)
-        if parts.scheme or parts.netloc:
+        source = f"the source '{uri}' of {wanted}"
+        try:
+            parts = urlsplit(uri)
+            path = (self.path.parent / unquote(parts.path, errors="strict")).resolve()
+            is_there = path.is_file()
+        except (ValueError, OSError) as error:  # also text that is not UTF-8, and a zero byte
+            self.node.fail(f"{source} is no relative URI of a file: {error}")
+        if parts.scheme or parts.netloc or parts.path.startswith("/"):
             self.node.fail(
-                f"the source '{uri}' of {wanted} is an absolute URI; files are found relative to "
-                "the .ssd only"
+                f"{source} is an absolute URI; files are found relative to the .ssd only"
             )
-        path = (self.path.parent / unquote(parts.path)).resolve()
-        if not path.is_relative_to(self.folder):
-            self.node.fail(f"the source '{uri}' of {wanted} lies outside of the package")
-        if not path.is_file():
-            inside = (p for p in self.folder.rglob("*" + path.suffix) if p.is_file())
-            names = sorted(p.relative_to(self.path.parent).as_posix() for p in inside)
-            self.node.fail(
-                f"the source '{uri}' of {wanted} is not there; {choices(unquote(uri), names)}"
-            )
+        if self.folder is not None and not path.is_relative_to(self.folder):
+            self.node.fail(f"{source} lies outside of the package")
+        if not is_there:
+            around = self.folder or self.path.parent
+            inside = islice((p for p in around.rglob("*" + path.suffix) if p.is_file()), NAMED)
+            names = sorted(Path(os.path.relpath(p, self.path.parent)).as_posix() for p in inside)
+            self.node.fail(f"{source} is not there; {choices(unquote(uri), names)}")
         return path, unquote(parts.fragment)
 
     def inner(self, place: Path, variant: str | None) -> Document:
-        """The description that is meant by a file of this package."""
-        kept = self.kept and self.kept / "inside" / place.relative_to(self.folder)
-        return open_document(place, variant, kept)[0]
+        """The description that is meant by a file that a reference leads to."""
+        if place.suffix.lower() == ".ssd":
+            return _description(place, self.folder, str(place), variant, self.unpacked)
+        return _of_archive(place, variant, self.unpacked)[0]
 
     def part(
         self, node: Node, inline: Node | None, root: str, wanted: str, fmu: Path | None = None
@@ -83,7 +137,7 @@ class Document:
         uri = node.get("source")
         if node.get("sourceBase", "SSD") == "SSD":
             path, _ = self.place(uri, wanted)
-            return path.read_bytes(), f"{self.label}: {uri}"
+            return read_file(path, "file"), f"{self.label}: {uri}"
         if component is None:
             self.node.fail(f"{wanted} has a source inside of a component, but belongs to none")
         if unquote(uri) not in open_fmu(component).members:
@@ -97,7 +151,7 @@ def unit_definitions(root: Node) -> Mapping[str, BaseUnit]:
     names = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
     return {
         unit.need("name"): BaseUnit(
-            {name: int(base.number(name, 0.0)) for name in names},
+            {name: base.whole(name, 0) for name in names},
             base.number("factor", 1.0),
             base.number("offset", 0.0),
         )
@@ -112,49 +166,54 @@ def open_document(
     """The system of an .ssp or .ssd file, and the other variants that the archive holds.
 
     variant: file name, or the name that the description gives itself. kept: folder to unpack into
-    for good. Raises SspError.
+    for good. Raises SspError or ArchiveError.
     """
-    if not path.exists():
-        raise SspError(f"the system '{path}' cannot be read: no such file or directory")
+    check_file(path, "system")
+    unpacked = Unpacked(path, kept)
     if path.suffix.lower() == ".ssd":
-        if variant is not None:
-            raise SspError(f"'{path}' is one description; a variant is chosen of an .ssp archive")
-        return _document(path.resolve(), path.parent.resolve(), str(path), kept), []
-    folder = _unpack(path, kept)
-    found = {
-        file.name: _document(file, folder, f"{path}: {file.name}", kept)
-        for file in sorted(folder.glob("*.ssd"))
-    }
-    if not found:
+        return _description(path, None, str(path), variant, unpacked), []
+    return _of_archive(path, variant, unpacked)
+
+
+def _description(
+    path: Path, folder: Path | None, label: str, variant: str | None, unpacked: Unpacked
+) -> Document:
+    if variant is not None:
+        raise SspError(f"'{path}' is one description; a variant is chosen of an .ssp archive")
+    return _document(path.resolve(), folder, label, unpacked)
+
+
+def _of_archive(path: Path, variant: str | None, unpacked: Unpacked) -> tuple[Document, list[str]]:
+    """The variant of an archive that is meant, which alone has to be sound, and the others."""
+    folder = unpacked.folder(path)
+    files = {file.name: file for file in sorted(folder.glob("*.ssd")) if file.is_file()}
+
+    def document(name: str) -> Document:
+        return _document(files[name], folder, f"{path}: {name}", unpacked)
+
+    if not files:
         raise SspError(f"'{path}' is no SSP archive: it has no {DEFAULT}")
-    chosen = _variant(path, found, variant)
-    others = [name for name, document in found.items() if document is not chosen]
-    return chosen, others
+    if variant is None and DEFAULT not in files and len(files) > 1:
+        raise SspError(f"'{path}' has no {DEFAULT}; {choices(DEFAULT, files)}")
+    usual = DEFAULT if DEFAULT in files else next(iter(files))
+    chosen = usual if variant is None else next((n for n in files if variant == Path(n).stem), "")
+    chosen = variant if variant in files else chosen
+    if chosen:
+        return document(chosen), [name for name in files if name != chosen]
+    broken = []
+    for name in files:
+        try:
+            found = document(name)
+        except OrchestratorError as error:
+            broken.append(str(error))
+            continue
+        if found.node.get("name") == variant:
+            return found, [other for other in files if other != name]
+    raise SspError(
+        "; ".join([f"'{path}' has no variant '{variant}'; {choices(str(variant), files)}", *broken])
+    )
 
 
-def _variant(path: Path, found: Mapping[str, Document], wanted: str | None) -> Document:
-    if wanted is None:
-        if DEFAULT not in found and len(found) > 1:
-            raise SspError(f"'{path}' has no {DEFAULT}; {choices(DEFAULT, found)}")
-        return found.get(DEFAULT) or next(iter(found.values()))
-    for file, document in found.items():
-        if wanted in (file, file.removesuffix(".ssd"), document.node.get("name")):
-            return document
-    raise SspError(f"'{path}' has no variant '{wanted}'; {choices(wanted, found)}")
-
-
-def _document(path: Path, folder: Path, label: str, kept: Path | None) -> Document:
-    root = parse(path.read_bytes(), label, "SystemStructureDescription")
-    return Document(path, folder, label, root, kept)
-
-
-def _unpack(path: Path, kept: Path | None) -> Path:
-    with open_archive(path) as archive:
-        if kept is None:
-            temporary = tempfile.TemporaryDirectory(
-                prefix="tracktrain-ssp-", ignore_cleanup_errors=True
-            )
-            _UNPACKED.append(temporary)
-            kept = Path(temporary.name)
-        archive.extract(archive.members, kept)
-    return kept.resolve()
+def _document(path: Path, folder: Path | None, label: str, unpacked: Unpacked) -> Document:
+    root = parse(read_file(path, "system"), label, "SystemStructureDescription")
+    return Document(path, folder, label, root, unpacked)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import CouplingError, choices
+from ..fmu.archive import read_file
 from ..fmu.port_map import Port, PortMap
 from ..system.transformation import Linear
 from .mapping import read_mapping
@@ -28,11 +29,7 @@ def read_port_map(path: Path | str) -> PortMap:
     if path.suffix.lower() == ".ssm":
         return _from_ssm(path)
     try:
-        with path.open("rb") as stream:
-            said = tomllib.load(stream)
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise CouplingError(f"the port map '{path}' cannot be read: {reason}") from None
+        said = tomllib.loads(read_file(path, "port map").decode())
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise CouplingError(f"the port map '{path}' is no TOML: {error}") from None
     return PortMap(dict(_entries(path, "", said)))

@@ -213,7 +213,7 @@ def _connectors(node: Node) -> Mapping[str, Connector]:
 def _connector(node: Node, kind: str) -> Connector:
     typed = next((child for child in node if child.tag in TYPES), None)
     sizes = tuple(
-        int(dimension.number("size")) if dimension.has("size") else None
+        dimension.whole("size") if dimension.has("size") else None
         for dimension in node.all("Dimension")
     )
     if typed is None:

@@ -54,6 +54,15 @@ class Node:
         except ValueError:
             self.fail(f'<{self.tag}> has {attribute}="{text}", which is no number')
 
+    def whole(self, attribute: str, default: int | None = None) -> int:
+        """An attribute as a whole number; raises SspError for anything else."""
+        number = self.number(attribute, None if default is None else float(default))
+        if not number.is_integer() or abs(number) > 2**53:
+            self.fail(
+                f'<{self.tag}> has {attribute}="{self.get(attribute)}", which is no whole number'
+            )
+        return int(number)
+
     def flag(self, attribute: str, default: bool = False) -> bool:
         """An attribute as true or false; raises SspError for anything else."""
         text = self.get(attribute, str(default).lower()).strip()

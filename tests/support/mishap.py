@@ -20,10 +20,10 @@ PORTS = body(
 )
 
 
-def mishap(folder: Path, *flags: str) -> Path:
-    """The FMU of `slaves/mishap.c`. flags: of the compiler."""
+def mishap(folder: Path, *flags: str, text: str = "") -> Path:
+    """The FMU of `slaves/mishap.c`. flags: of the compiler. text: its description."""
     binary = library(folder, "-O1", *flags, source=SOURCE)
-    return archive(folder / "mishap.fmu", description(PORTS), binary)
+    return archive(folder / "mishap.fmu", text or description(PORTS), binary)
 
 
 def system(fmu: Path, kind: str, at: float = 0.045) -> System:

@@ -325,7 +325,8 @@ def _remarks(
     remarks = []
     if found.single_instance and len(instances) > 1:
         remarks.append(
-            f"it can be instantiated only once in a process: for one of {', '.join(instances)}"
+            f"it can be instantiated only once in a process: for one of {', '.join(instances)}, or "
+            "with --isolate"
         )
     said = contents.interfaces.get("co-simulation", {})
     if said.get("needsExecutionTool") in ("true", "1"):

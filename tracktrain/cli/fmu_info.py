@@ -10,7 +10,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from orchestrator import Contents, Description, Variable
+from orchestrator import Contents, Description, Variable, plain
 
 from ..terminal import plain_grid
 from .fmu_contents import Extras
@@ -67,12 +67,12 @@ def _table(title: str, rows: list[dict[str, str]]) -> Table:
         widest = max(len(row[heading]) for row in rows)
         table.add_column(heading, overflow="fold", no_wrap=heading == "name" and widest <= 36)
     for row in rows:
-        table.add_row(*(row[heading] for heading in headings))
+        table.add_row(*(plain(row[heading]) for heading in headings))
     return table
 
 
 def _one_line(text: str | None) -> str:
-    return " ".join((text or "").split())
+    return plain(" ".join((text or "").split()))
 
 
 def _print_head(
@@ -80,7 +80,7 @@ def _print_head(
 ) -> None:
     root = contents.root.attrib
     kinds = " and ".join(contents.interfaces) or "no interface"
-    console.print(f"{description.label}: FMI {contents.version}, {kinds}", style="bold")
+    console.print(f"{plain(description.label)}: FMI {contents.version}, {kinds}", style="bold")
     if text := _one_line(root.get("description")):
         console.print(text)
     console.print()
@@ -138,7 +138,7 @@ def _capabilities(kind: str, said: Mapping[str, str]) -> str:
 def _units(description: Description) -> str:
     def shown(unit: str, scale: Any) -> str:
         if scale is None:
-            return f"{unit} (not known)"
+            return f"{plain(unit)} (not known)"
         if (scale.factor, scale.offset) == (1.0, 0.0):
             return unit
         shift = f" {scale.offset:+.10g}" if scale.offset else ""

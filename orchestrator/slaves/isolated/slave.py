@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import SlaveError
+from ...errors import SlaveError, plain
 from ...fmu.description import Description, Variable
 from ...system.system import Value
 from ..abi import NAMES
@@ -148,7 +148,7 @@ class IsolatedSlave(Slave):
         whole = self._printed.rpartition(b"\n")[0] or self._printed
         lines = whole.decode(errors="replace").split("\n")
         last = next((line.strip() for line in reversed(lines) if line.strip()), "")
-        return f": it printed '{last[-200:]}'" if last else ""
+        return f": it printed '{plain(last[-200:])}'" if last else ""
 
     def fault(self, function: int, status: int) -> str:
         doing = self._doing or self.called(self._function(p.CALL, function))

@@ -7,12 +7,13 @@ import struct
 import zipfile
 from pathlib import Path
 
+import fmpy
 import pytest
 
 from orchestrator import Component, OrchestratorError, System, simulate
 from orchestrator.fmu import archive
 from orchestrator.fmu.archive import open_archive
-from support.native_slaves import DAMPER, description
+from support.native_slaves import DAMPER, description, library
 
 XML = "modelDescription.xml"
 
@@ -51,7 +52,8 @@ def special(name: str, mode: int) -> zipfile.ZipInfo:
 )
 def test_name_that_reaches_out_of_the_archive(tmp_path, name, problem):
     path = hostile(tmp_path, (name, b""))
-    assert refusal(path) == f"'{path}' holds '{name}', {problem}"
+    shown = name.replace("\n", " ")
+    assert refusal(path) == f"'{path}' holds '{shown}', {problem}"
 
 
 @pytest.mark.parametrize(
@@ -70,6 +72,43 @@ def test_member_that_is_there_twice(tmp_path):
     with pytest.warns(UserWarning, match="Duplicate"):
         path = hostile(tmp_path, ("resources/a", b"one"), ("resources/a", b"two"))
     assert refusal(path) == f"'{path}' holds 'resources/a', which is there twice"
+
+
+def test_folder_that_is_there_twice_and_a_file_that_is_the_same_twice(tmp_path):
+    folder = special("resources/deep/", stat.S_IFDIR | 0o755)
+    with pytest.warns(UserWarning, match="Duplicate"):
+        path = hostile(
+            tmp_path, (folder, b""), (folder, b""), ("resources/a", b"1"), ("resources/a", b"1")
+        )
+    with open_archive(path) as opened:
+        opened.extract(opened.members, tmp_path / "unpacked")
+        assert opened.read("resources/a") == b"1"
+    assert (tmp_path / "unpacked/resources/deep").is_dir()
+
+
+def test_backslashes_part_folders(tmp_path):
+    """As some tools write archives; the FMU runs."""
+    binary = library(tmp_path)
+    path = hostile(
+        tmp_path,
+        (f"binaries\\{fmpy.platform}\\{binary.name}", binary.read_bytes()),
+        ("resources\\deep\\a", b"1"),
+    )
+    run = simulate(System({"a": Component(path)}), duration=0.1, step=0.1, compiled=False)
+    assert run.completed
+    with open_archive(path) as opened:
+        opened.extract(["resources/deep/a"], tmp_path / "unpacked")
+    assert (tmp_path / "unpacked" / "resources" / "deep" / "a").read_bytes() == b"1"
+
+
+def test_library_of_another_name_is_named(tmp_path):
+    other = f"binaries/{fmpy.platform}/other{fmpy.sharedLibraryExtension}"
+    path = hostile(tmp_path, (other, b"x"))
+    suffix = fmpy.sharedLibraryExtension
+    assert refusal(path) == (
+        f"'{path}' has no slave{suffix} in binaries/{fmpy.platform}, which is what its model "
+        f"identifier 'slave' calls for; there is other{suffix}"
+    )
 
 
 def test_encrypted_member(tmp_path):

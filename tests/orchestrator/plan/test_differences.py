@@ -21,7 +21,6 @@ from support.ssp_archives import (
     write,
 )
 
-
 TEMPERATURES = (
     '<UnitDefinitions><Unit name="K"><BaseUnit K="1"/></Unit>'
     '<Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit>'

@@ -14,10 +14,11 @@ import numpy as np
 import pytest
 
 import orchestrator
-from orchestrator import OrchestratorError, resume, simulate
+from orchestrator import Component, OrchestratorError, System, resume, simulate
 from orchestrator.masters.base import all_masters
 from support.coupled_models import oscillator
-from support.mishap import mishap, system
+from support.mishap import PORTS, mishap, system
+from support.native_slaves import description
 from support.python_process import TESTS
 from support.wheelset_on_truck import interrupted_at, wheelset_on_truck
 
@@ -104,6 +105,15 @@ def test_instance_that_cannot_be_isolated(fmu):
     assert refusal(oscillator(), isolate=["one"]) == (
         "one cannot be isolated: it is a mock, not an FMU"
     )
+
+
+def test_instances_that_need_a_process_each_are_isolated(tmp_path):
+    alone = '<CoSimulation canBeInstantiatedOnlyOncePerProcess="true"'
+    path = mishap(tmp_path, text=description(PORTS).replace("<CoSimulation", alone))
+    three = System({name: Component(path, {"at": 9.0}) for name in "abc"})
+    assert "isolate all but one" in refusal(three, isolate=["a"])
+    run = simulate(three, duration=0.1, step=0.1, isolate=["a", "b"], compiled=False)
+    assert [float(run.dataset[f"{n}.y"][-1]) for n in "abc"] == [0.1] * 3
 
 
 @pytest.mark.parametrize("master", all_masters())

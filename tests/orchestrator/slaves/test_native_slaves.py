@@ -189,7 +189,7 @@ def test_fmu_that_can_be_instantiated_only_once(folder, tmp_path):
     simulate(System({"a": Component(path)}), duration=0.1, step=0.1)
     assert refusal(System({"a": Component(path), "b": Component(path)})) == (
         "a and b are instances of single.fmu, which says that it can be instantiated only once in "
-        "a process; give each its own FMU"
+        "a process; isolate all but one, which gives them processes of their own"
     )
 
 
