@@ -19,11 +19,11 @@ BAND_VARIANCE = 1e-11
 """Quadrature of a spectrum over its narrow bins: some 1e-12 over a band of 0.5 to 1000 m."""
 
 REPORT_VARIANCE = 1e-6
-"""The same over the report's bins of equal width, the first a factor of three wide: 4e-7."""
+"""The same over the equal bins of `report_grid`, the first a factor of three wide: 4e-7."""
 
 TRACK_INTERPOLATION = 1e-5
 """Cubic Hermite interpolation over 0.1 m, rms error over the rms of the irregularity: 5e-6 measured
-for `report`, whose waves go down to 0.5 m."""
+for `report_grid`, whose waves go down to 0.5 m."""
 
 PARITY = 1e-12
 """FMU against Python twin: the same operations in the same order; compilers may not fuse them."""

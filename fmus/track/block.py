@@ -10,8 +10,17 @@ import casadi as ca
 from ..describe.block import Block, Signals, State, Table
 from ..describe.terminals import RAILS, Terminal
 from ..describe.variables import Array, Input, Output, Parameter, choice
-from .irregularity import LINE_ROWS, LINES, NODES, SPACING, channel_lines, page_function
-from .spectra import CHANNELS, SPECTRA
+from .gauge import GAUGE_ROWS
+from .irregularity import (
+    DRAWN_FROM,
+    LINE_ROWS,
+    LINES,
+    NODES,
+    SPACING,
+    channel_lines,
+    page_function,
+)
+from .spectra import CHANNELS, GAUGE_RANGES, SPECTRA
 
 AXLES = (1, 2, 3, 4)
 RAIL_MOTIONS = tuple(
@@ -19,6 +28,8 @@ RAIL_MOTIONS = tuple(
     for axis, direction in (("y", "Lateral"), ("z", "Vertical"))
     for side in ("left", "right")
 )
+LONGEST_WAVE = 2000.0
+"""[m]; 300 lines are too few for wider bands."""
 LINES_SHAPE = (len(LINE_ROWS), LINES * len(CHANNELS))
 
 
@@ -73,23 +84,25 @@ class Track(Block):
         Parameter(
             "report_rms",
             "m",
-            "Rms of the alignment of the spectrum `report`",
+            "Rms of the alignment of the spectra `report` and `report_grid`",
             symbol="sigma",
             minimum=0.0,
         ),
         Parameter(
             "wavelength_min",
             "m",
-            "Shortest wave of the spectra other than `report`",
+            "Shortest wave of the spectra other than the report's",
             symbol="lambda_min",
             minimum=0.5,
+            maximum=LONGEST_WAVE,
         ),
         Parameter(
             "wavelength_max",
             "m",
-            "Longest wave of the spectra other than `report`",
+            "Longest wave of the spectra other than the report's",
             symbol="lambda_max",
             minimum=0.5,
+            maximum=LONGEST_WAVE,
         ),
         Parameter(
             "fade_length",
@@ -107,6 +120,11 @@ class Track(Block):
             minimum=0.0,
         ),
         Parameter("half_wheelbase", "m", "Half wheelbase of a truck", symbol="L_X", minimum=0.0),
+        choice(
+            "gauge_range",
+            "Whether the gauge keeps to what the FRA class allows, with a mean widening",
+            GAUGE_RANGES,
+        ),
     )
     inputs = (Input("speed", "m/s", "Speed of the car", start=18.288),)
     outputs = (
@@ -130,9 +148,10 @@ class Track(Block):
     table: Table
 
     def __init__(self) -> None:
-        page, d = ca.MX.sym("page"), ca.MX.sym("d", LINES_SHAPE[0] * LINES_SHAPE[1] + len(CHANNELS))
-        lines = ca.reshape(d[: -len(CHANNELS)], *LINES_SHAPE)
-        nodes = page_function()(page, lines, d[-len(CHANNELS) :])
+        count = LINES_SHAPE[0] * LINES_SHAPE[1]
+        page, d = ca.MX.sym("page"), ca.MX.sym("d", count + len(CHANNELS) + len(GAUGE_ROWS))
+        lines, rms, gauge = ca.vertsplit(d, [0, count, count + len(CHANNELS), d.numel()])
+        nodes = page_function()(page, ca.reshape(lines, *LINES_SHAPE), rms, gauge)
         self.table = Table(
             spacing=SPACING,
             nodes_per_page=NODES,
@@ -143,21 +162,18 @@ class Track(Block):
 
     @cached_property
     def derived_shapes(self) -> dict[str, tuple[int, int]]:
-        """The lines of all channels, and each channel's rms [m]."""
-        return {"lines": LINES_SHAPE, "rms": (len(CHANNELS), 1)}
+        """The lines of all channels, each channel's rms [m], and the range of the gauge [m]."""
+        return {"lines": LINES_SHAPE, "rms": (len(CHANNELS), 1), "gauge": (len(GAUGE_ROWS), 1)}
 
     def derived_function(self) -> ca.Function:
-        """(3) to (7): the lines, drawn once."""
+        """(3) to (7), (12): the lines, drawn once, and the range of the gauge."""
         p = ca.MX.sym("p", len(self.parameters))
         value = {v.name: p[i] for i, v in enumerate(self.parameters)}
-        lines, rms = channel_lines()(
-            *(
-                value[name]
-                for name in ("spectrum", "seed", "report_rms", "wavelength_min", "wavelength_max")
-            ),
+        lines, rms, gauge = channel_lines()(
+            *(value[name] for name in DRAWN_FROM),
             ca.vertcat(*(value[f"{channel}_scale"] for channel in CHANNELS)),
         )
-        return ca.Function("derived", [p], [ca.vertcat(ca.vec(lines), rms)])
+        return ca.Function("derived", [p], [ca.vertcat(ca.vec(lines), rms, gauge)])
 
     def initial(self, p: Signals, d: Signals, u: Signals) -> Signals:
         return {"distance": ca.SX(0)}

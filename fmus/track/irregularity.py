@@ -5,8 +5,18 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
+from .gauge import GAUGE_ROWS, gauge_range, limited_gauge
 from .random_numbers import draw, stream_state
-from .spectra import CHANNELS, amplitudes, bin_variance, corners, grid_spacing
+from .spectra import (
+    CHANNELS,
+    REPORT_SPECTRA,
+    SPECTRA,
+    amplitudes,
+    bin_variance,
+    corners,
+    grid_spacing,
+    report_band,
+)
 from .trigonometry import TURN, cosine_sine
 
 LINES = 300
@@ -19,45 +29,54 @@ LINE_ROWS = ("frequency", "phase", "amplitude", "step_cosine", "step_sine")
 """A line: frequency [cycle/m], phase [turn], amplitude [m], phasor of one step of the table."""
 
 
+WIDE_BAND = 400
+"""Ratio of a band's longest to its shortest wave, beyond which bins grow with the square."""
+DRAWN_FROM = ("spectrum", "seed", "report_rms", "wavelength_min", "wavelength_max", "gauge_range")
+"""Parameters that the lines follow from, beside the scales."""
+
+
 def channel_lines() -> ca.Function:
     """Lines of the four channels.
 
-    (spectrum, seed, report_rms, wavelength_min, wavelength_max, scale (4))
-    -> lines (5, 1200), channel after channel; rms of each channel [m] (4).
+    (DRAWN_FROM, scale (4)) -> lines (5, 1200), channel after channel; rms of each channel
+    [m] (4); GAUGE_ROWS.
     """
-    names = ("spectrum", "seed", "report_rms", "wavelength_min", "wavelength_max")
-    spectrum, seed, report_rms, wavelength_min, wavelength_max = (ca.MX.sym(n) for n in names)
-    scale = ca.MX.sym("scale", len(CHANNELS))
-    is_report = spectrum == 1
-    chosen = np.arange(1, amplitudes().shape[1] + 1) == spectrum
+    given = {name: ca.MX.sym(name) for name in DRAWN_FROM}
+    spectrum, scale = given["spectrum"], ca.MX.sym("scale", len(CHANNELS))
+    report, report_grid = (spectrum == SPECTRA.index(name) + 1 for name in REPORT_SPECTRA)
+    chosen = np.arange(1, len(SPECTRA) + 1) == spectrum
     amplitude = ca.mtimes(ca.DM(amplitudes()), chosen)
     corner = ca.mtimes(ca.DM(corners()), chosen)
-    band = ca.vertcat(1 / wavelength_max, 1 / wavelength_min)
-    edges = _bin_edges(is_report, ca.fmin(band[0], band[1]), ca.fmax(band[0], band[1]))
+    given_band = ca.vertcat(1 / given["wavelength_max"], 1 / given["wavelength_min"])
+    band = ca.if_else(report, ca.DM(report_band()), given_band)
+    edges = _bin_edges(report_grid, ca.fmin(band[0], band[1]), ca.fmax(band[0], band[1]))
     stream, numbers = stream_state(), _pair().mapaccum(LINES)
 
     lines, rms = [], []
     for i, channel in enumerate(CHANNELS):
-        _, uniform = numbers(stream(len(CHANNELS) * seed + i))
+        _, uniform = numbers(stream(len(CHANNELS) * given["seed"] + i))
         raw = _line(channel).map(LINES)(edges[:, :-1], edges[:, 1:], uniform, amplitude[i], corner)
         level = ca.sqrt(ca.sumsqr(raw[2, :]) / 2)
-        fitted = ca.if_else(is_report, report_rms / ca.fmax(level, 1e-30), 1)
+        wanted = given["report_rms"] / ca.fmax(level, 1e-30)
+        fitted = ca.if_else(ca.logic_or(report, report_grid), wanted, 1)
         factor = ca.if_else(level > 0, fitted, 0) * scale[i]
         lines.append(ca.vertcat(raw[:2, :], raw[2, :] * factor, raw[3:, :]))
         rms.append(level * ca.fabs(factor))
+    gauge = gauge_range()(spectrum, given["gauge_range"], rms[CHANNELS.index("gauge")])
     return ca.Function(
         "channel_lines",
-        [spectrum, seed, report_rms, wavelength_min, wavelength_max, scale],
-        [ca.horzcat(*lines), ca.vertcat(*rms)],
+        [*given.values(), scale],
+        [ca.horzcat(*lines), ca.vertcat(*rms), gauge],
     )
 
 
 def page_function() -> ca.Function:
-    """(page number, lines, rms) -> nodes (8, 64): value [m] and slope [m/m] of each channel.
+    """(page number, lines, rms, GAUGE_ROWS) -> nodes (8, 64): value [m], slope [m/m] by channel.
 
     A channel whose rms is zero is skipped.
     """
     page, rms = ca.MX.sym("page"), ca.MX.sym("rms", len(CHANNELS))
+    gauge = ca.MX.sym("gauge", len(GAUGE_ROWS))
     lines = ca.MX.sym("lines", len(LINE_ROWS), LINES * len(CHANNELS))
     start, own = ca.MX.sym("start"), ca.MX.sym("own", len(LINE_ROWS), LINES)
     nodes = _add_line().fold(LINES)(ca.DM.zeros(2, NODES), own, start)
@@ -68,19 +87,24 @@ def page_function() -> ca.Function:
         channel(rms[i] > 0, lines[:, i * LINES : (i + 1) * LINES], page * (NODES * SPACING))
         for i in range(len(CHANNELS))
     ]
-    return ca.Function("page", [page, lines, rms], [ca.vertcat(*parts)])
+    i = CHANNELS.index("gauge")
+    parts[i] = limited_gauge().map(NODES)(parts[i], ca.repmat(gauge, 1, NODES))
+    return ca.Function("page", [page, lines, rms, gauge], [ca.vertcat(*parts)])
 
 
-def _bin_edges(is_report: ca.MX, low: ca.MX, high: ca.MX) -> ca.MX:
+def _bin_edges(regular: ca.MX, low: ca.MX, high: ca.MX) -> ca.MX:
     """Edges of the bins [cycle/m], shape (1, LINES + 1).
 
-    The report's lines lie in the middle of bins of equal width (erratum 8); otherwise the
-    distance grows linearly, so that bins are narrow where the waves are long.
+    The lines of a regular grid lie in the middle of bins of equal width (erratum 8); otherwise
+    bins are narrow where the waves are long. They grow with the line's number, in wide bands
+    with its square, so that no line carries more than 5 % of a channel's variance.
     """
     number = ca.DM(np.arange(LINES + 1.0)).T
     fraction = ca.DM(np.arange(LINES + 1.0) / LINES).T
     uniform = ca.MX(grid_spacing() * (number + 0.5))
-    return ca.if_else(is_report, uniform, low + (high - low) * (fraction * fraction))
+    square = fraction * fraction
+    grown = ca.if_else(high > WIDE_BAND * low, square * fraction, square)
+    return ca.if_else(regular, uniform, low + (high - low) * grown)
 
 
 def _pair() -> ca.Function:

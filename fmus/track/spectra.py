@@ -23,9 +23,14 @@ SPECTRA = (
     "german_low",
     "german_high",
     "perfect",
+    "report_grid",
 )
 """In the order of the enumeration, from 1."""
+REPORT_SPECTRA = ("report", "report_grid")
+"""Alignment only, with the report's rms; `report_grid` on the grid that the report prints."""
+GAUGE_RANGES = ("legal", "unlimited")
 FOOT = 0.3048
+INCH = 0.0254
 """[m]"""
 
 
@@ -43,13 +48,37 @@ def grid_spacing() -> float:
 
 
 @cache
+def report_band() -> tuple[float, float]:
+    """Lowest and highest frequency [cycle/m] of the spectrum `report`."""
+    longest, shortest = (data()["report"][name]["value"] for name in ("longest", "shortest"))
+    return 1 / (FOOT * longest), 1 / (FOOT * shortest)
+
+
+@cache
+def legal_gauge() -> np.ndarray:
+    """Least and most gauge less the nominal one [m], shape (2, spectra).
+
+    NaN for a spectrum that is of no FRA class.
+    """
+    gauge = data()["gauge"]
+    nominal, least = gauge["nominal"]["value"], gauge["least"]["value"]
+    table = dict.fromkeys(SPECTRA, (math.nan, math.nan))
+    table |= {
+        name: (INCH * (least - nominal), INCH * (row["value"] - nominal))
+        for name, row in gauge["most"].items()
+    }
+    return np.array([table[name] for name in SPECTRA]).T
+
+
+@cache
 def amplitudes() -> np.ndarray:
     """Constants A of (1), (2) [m^2.rad/m], shape (channels, spectra).
 
     A is one for the report's alignment, whose level follows from its rms, and zero for a channel
     that a spectrum leaves out.
     """
-    table = {"report": (1.0, 0.0, 0.0, 0.0), "perfect": (0.0, 0.0, 0.0, 0.0)}
+    table = {"perfect": (0.0, 0.0, 0.0, 0.0)}
+    table |= dict.fromkeys(REPORT_SPECTRA, (1.0, 0.0, 0.0, 0.0))
     factor = 1e-4 * data()["fra"]["factor"]["value"]
     for name, row in data()["fra"]["classes"].items():
         a, v = factor * row["alignment"], factor * row["profile"]
@@ -74,7 +103,7 @@ def corners() -> np.ndarray:
         german[name]["value"] for name in ("long_wave_corner", "corner", "cross_level_corner")
     ]
     table |= dict.fromkeys(german["levels"], tuple(levels))
-    table |= dict.fromkeys(("report", "perfect"), table["fra6"])
+    table |= dict.fromkeys((*REPORT_SPECTRA, "perfect"), table["fra6"])
     return np.array([table[name] for name in SPECTRA]).T
 
 
@@ -115,7 +144,7 @@ def _gauss_legendre() -> list[tuple[float, float]]:
 def band_variance(spectrum: str, channel: str, shortest: float, longest: float) -> float:
     """Variance [m^2] between two wavelengths [m], in closed form by partial fractions.
 
-    A is one for `report`, whose level follows from its rms.
+    A is one for the report's, whose level follows from its rms.
     """
     number = SPECTRA.index(spectrum)
     r, c, s = (float(value) ** 2 for value in corners()[:, number])

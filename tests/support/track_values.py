@@ -22,6 +22,7 @@ def track_values(spectrum: str = "report", **changes: float) -> dict[str, float]
         "gauge_scale": 1.0,
         "half_truck_spacing": L_C,
         "half_wheelbase": L_X,
+        "gauge_range": 1,
     }
     assert set(changes) <= set(values)
     return values | changes

@@ -22,6 +22,7 @@ TRACKS = (
     "german-low",
     "german-high",
     "perfect",
+    "report-grid",
 )
 """Spectra of the track block, which spells them with an underscore."""
 

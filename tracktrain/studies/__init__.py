@@ -17,5 +17,6 @@ STUDIES = {
     "identify": "Analog parameters of a truck element from a measured loop (Table 4-5)",
     "wheelset": "Wheelset alone: Klingel's wave, critical speed of a restrained one",
     "track": "Track alone: histogram, spectrum, realisation (Figures 5-3 to 5-5)",
+    "tracks": "All tracks: rms and waves over many seeds, gauge against 49 CFR 213",
 }
 """Name of each study, whose module is called the same with underscores, and what it shows."""

@@ -10,28 +10,27 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from fmus.track import realisation
-from fmus.track.irregularity import LINES, SPACING
+from fmus.track.irregularity import LINES
 from fmus.track.spectra import (
     CHANNELS,
+    REPORT_SPECTRA,
     SPECTRA,
     amplitudes,
     band_variance,
     corners,
     density,
     grid_spacing,
+    report_band,
 )
-from orchestrator import Component, System, simulate
 
-from ..car.hopper import HOPPER, hopper_car, parameters_of
+from ..car.hopper import parameters_of
 from ..options.car import seed_option, track_option
 from ..options.types import Quantity
 from ..plots import BLUE, INK, MUTED, STYLE, column, conversion
 from ..scales import DISPLACEMENT, FOOT
 from .common.command import study_command
 from .common.outcome import Outcome
-
-SPEED = 10.0
-"""Speed of the axle that feels the rails [m/s]; the rails depend on the distance alone."""
+from .common.rails import irregularity
 
 
 def track(track: str = "report", seed: int = 1, length: float = 2000.0) -> Outcome:
@@ -40,7 +39,7 @@ def track(track: str = "report", seed: int = 1, length: float = 2000.0) -> Outco
     Report Figures 5-3 to 5-5. The rails are those that the track FMU gives under one axle over
     `length` [m], without the fade-in. Raises HopperError for a track that is not known.
     """
-    rails = _rails(track, seed, length)
+    rails = irregularity(track, seed, length)
     spectrum = realisation.spectrum(rails, segment=min(400.0, length / 4))
     band = _band(track)
     target = _target(track, spectrum.frequency.values, band)
@@ -85,32 +84,11 @@ Examples:
 )(track)
 
 
-def _rails(track: str, seed: int, length: float) -> xr.Dataset:
-    """The four channels [m] over the station [m], out of the FMU."""
-    component = hopper_car(speed=SPEED, track=track, seed=seed).components[HOPPER.track]
-    values = {**component.parameters, "fade_length": 0.0}
-    system = System({"track": Component(component.fmu, values)})
-    run = simulate(system, duration=length / SPEED, step=SPACING / SPEED)
-    y_left, y_right, z_left, z_right = (
-        run.dataset[f"track.axle[1].rail_{name}"].values
-        for name in ("y_left", "y_right", "z_left", "z_right")
-    )
-    channels = {
-        "alignment": (y_left + y_right) / 2,
-        "profile": (z_left + z_right) / 2,
-        "cross_level": z_left - z_right,
-        "gauge": y_left - y_right,
-    }
-    station = xr.Variable("station", run.dataset["track.distance"].values, {"units": "m"})
-    return xr.Dataset(
-        {name: ("station", values, {"units": "m"}) for name, values in channels.items()},
-        {"station": station},
-    )
-
-
 def _band(track: str) -> tuple[float, float]:
     """Lowest and highest frequency [cycle/m] of the lines."""
     if track == "report":
+        return report_band()
+    if track == "report-grid":
         return 0.5 * grid_spacing(), (LINES + 0.5) * grid_spacing()
     values = parameters_of("loaded")["track"]
     return 1 / values["wavelength_max"], 1 / values["wavelength_min"]
@@ -129,7 +107,7 @@ def _target(track: str, frequency: np.ndarray, band: tuple[float, float]) -> xr.
     for row, channel in enumerate(CHANNELS):
         level = amplitudes()[row, number]
         variance = band_variance(name, channel, 1 / band[1], 1 / band[0])
-        if name == "report" and level:  # whose level follows from its rms
+        if name in REPORT_SPECTRA and level:  # whose level follows from its rms
             wanted = parameters_of("loaded")["track"]["report_rms"] ** 2
             level, variance = level * wanted / variance, wanted
         per_cycle = 2 * np.pi * density(channel, wavenumber, level, *corners()[:, number])

@@ -33,7 +33,7 @@ def library(tmp_path_factory) -> str:
     return str(result)
 
 
-@pytest.mark.parametrize("spectrum", ["report", "fra3", "german_low", "perfect"])
+@pytest.mark.parametrize("spectrum", ["report", "report_grid", "fra1", "german_low", "perfect"])
 @pytest.mark.parametrize("seed", [0, 1, 20260101])
 def test_compiled_lines_and_pages_have_the_same_bits(library, spectrum, seed):
     block = Track()

@@ -11,10 +11,11 @@ import tolerances
 from fmus.describe.twin import Twin
 from fmus.track import Track
 from fmus.track import realisation as rails
-from fmus.track.spectra import CHANNELS
+from fmus.track.spectra import CHANNELS, GAUGE_RANGES, REPORT_SPECTRA, band_variance
 from support.track_values import INCH, track_values
 
 FOOT = 0.3048
+UNLIMITED = GAUGE_RANGES.index("unlimited") + 1
 
 
 def direct_sum(values, channel, station):
@@ -26,17 +27,17 @@ def correlation(a, b):
     return float(np.corrcoef(a, b)[0, 1])
 
 
-@pytest.mark.parametrize("spectrum", ["report", "fra5", "german_high"])
+@pytest.mark.parametrize("spectrum", ["report", "report_grid", "fra5", "german_high"])
 @pytest.mark.parametrize("start", [0.0, 51200.0])
 def test_nodes_are_the_sum_of_the_lines(spectrum, start):
-    values = track_values(spectrum)
+    values = track_values(spectrum, gauge_range=UNLIMITED)
     track = rails.realisation(values, length=50.0, start=start)
     for channel in CHANNELS:
         expected = direct_sum(values, channel, track.station.values)
         assert np.abs(track[channel].values - expected).max() < 1e-12
 
 
-@pytest.mark.parametrize("spectrum", ["report", "fra5"])
+@pytest.mark.parametrize("spectrum", [*REPORT_SPECTRA, "fra5"])
 def test_between_nodes_the_axle_feels_the_sum_of_the_lines(spectrum):
     values = track_values(spectrum, fade_length=0.0)
     twin = Twin(Track(), values)
@@ -55,7 +56,7 @@ def test_between_nodes_the_axle_feels_the_sum_of_the_lines(spectrum):
 
 def test_same_seed_is_the_same_track_to_the_last_bit():
     # A change here changes every user's track: it is a breaking change of the block.
-    values = track_values("fra5", seed=42)
+    values = track_values("fra5", seed=42, gauge_range=UNLIMITED)
     track = rails.realisation(values, length=100.0)
     again = rails.realisation(values, length=30.0, start=70.0)
     assert np.array_equal(track.gauge.values[700:], again.gauge.values)
@@ -97,7 +98,7 @@ def test_seed_changes_frequencies_and_phases_but_no_amplitude_of_a_bin():
     assert np.array_equal(one[2], two[2])
 
 
-@pytest.mark.parametrize("spectrum", ["report", "fra5"])
+@pytest.mark.parametrize("spectrum", [*REPORT_SPECTRA, "fra5"])
 @pytest.mark.parametrize("shift", [500 * FOOT, 1000 * FOOT, 5000 * FOOT])
 def test_track_does_not_repeat(spectrum, shift):
     values = track_values(spectrum, seed=7)
@@ -108,8 +109,9 @@ def test_track_does_not_repeat(spectrum, shift):
     assert np.sqrt(np.mean((here - there) ** 2)) > 0.3 * np.sqrt(np.mean(here**2))
 
 
-def test_report_has_0_088_in_over_a_long_run():
-    track = rails.realisation(track_values("report"), length=10000.0)
+@pytest.mark.parametrize("spectrum", REPORT_SPECTRA)
+def test_report_has_0_088_in_over_a_long_run(spectrum):
+    track = rails.realisation(track_values(spectrum), length=10000.0)
     assert rails.rms(track)["alignment"] == pytest.approx(0.088 * INCH, rel=0.02)
 
 
@@ -121,3 +123,51 @@ def test_perfect_track_is_zero():
 def test_no_rms_is_no_irregularity():
     track = rails.realisation(track_values("report", report_rms=0.0), length=20.0)
     assert rails.rms(track) == dict.fromkeys(CHANNELS, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("spectrum", "most"),
+    [("fra1", 58.0), ("fra2", 57.75), ("fra3", 57.75), ("fra4", 57.5), ("fra5", 57.5),
+     ("fra6", 57.25)],
+)  # fmt: skip
+def test_gauge_keeps_to_what_the_class_allows(spectrum, most):
+    gauge = 56.5 + rails.realisation(track_values(spectrum), length=4000.0).gauge / INCH
+    assert gauge.min() > 56.0 and gauge.max() < most
+    drawn = rails.realisation(track_values(spectrum, gauge_range=UNLIMITED), length=4000.0)
+    deviation = float(np.std(drawn.gauge)) / INCH
+    expected = min(max(56.0 + 3 * deviation, 56.5), (56.0 + most) / 2)
+    assert float(gauge.mean()) == pytest.approx(expected, abs=0.1 * deviation)
+
+
+def test_class_1_as_drawn_is_narrower_than_the_law_allows_on_an_eighth_of_its_length():
+    track = rails.realisation(track_values("fra1", gauge_range=UNLIMITED), length=20000.0)
+    gauge = 56.5 + track.gauge / INCH
+    assert float((gauge < 56.0).mean()) == pytest.approx(0.13, abs=0.02)
+    assert gauge.min() < 55.0
+
+
+def test_gauge_within_the_range_is_as_drawn_about_its_mean():
+    kept, drawn = (
+        rails.realisation(track_values("fra4", gauge_range=item), length=500.0).gauge
+        for item in (1, UNLIMITED)
+    )
+    rms = np.sqrt(band_variance("fra4", "gauge", 3.0, 41.7))
+    shifted = drawn + 3 * rms - 0.5 * INCH
+    inside = abs(shifted - 0.25 * INCH) < 0.8 * 0.75 * INCH
+    assert 0.9 < float(inside.mean()) < 1.0
+    assert float(abs(kept - shifted).where(inside).max()) < 1e-12
+
+
+def test_limited_gauge_has_the_slope_of_its_values():
+    values = track_values("fra1", gauge_scale=2.0, wavelength_min=20.0)
+    track, derived = Track(), rails._derived(values)
+    nodes = np.hstack([np.array(track.table.page(number, derived))[6:] for number in range(20)])
+    slope = np.gradient(nodes[0], 0.1)[1:-1]
+    assert nodes[1][1:-1] == pytest.approx(slope, abs=0.02 * np.abs(slope).max())
+    middle, half = 0.5 * INCH, INCH
+    assert np.any(np.abs(nodes[0] - middle) > 0.85 * half)
+
+
+def test_gauge_scale_of_nothing_is_nominal_gauge():
+    track = rails.realisation(track_values("fra1", gauge_scale=0.0), length=50.0)
+    assert not track.gauge.any()

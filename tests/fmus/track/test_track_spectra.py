@@ -8,10 +8,19 @@ from scipy.integrate import quad
 
 import tolerances
 from fmus.track import realisation as rails
-from fmus.track.spectra import CHANNELS, SPECTRA, amplitudes, band_variance, corners, density
+from fmus.track.spectra import (
+    CHANNELS,
+    REPORT_SPECTRA,
+    SPECTRA,
+    amplitudes,
+    band_variance,
+    corners,
+    density,
+)
 from support.track_values import INCH, track_values
 
 FOOT = 0.3048
+PUBLISHED = [name for name in SPECTRA if name not in (*REPORT_SPECTRA, "perfect")]
 BANDS = [(3.0, 41.7), (3.0, 25.0), (0.5, 1000.0), (25.0, 200.0)]
 
 
@@ -20,7 +29,7 @@ def line_rms(spectrum, **changes):
     return {name: float(np.sqrt(np.sum(a**2) / 2)) for name, (_, _, a) in lines.items()}
 
 
-@pytest.mark.parametrize("spectrum", SPECTRA[1:-1])
+@pytest.mark.parametrize("spectrum", PUBLISHED)
 @pytest.mark.parametrize("channel", CHANNELS)
 def test_closed_form_is_the_integral_of_the_density(spectrum, channel):
     number = SPECTRA.index(spectrum)
@@ -31,7 +40,7 @@ def test_closed_form_is_the_integral_of_the_density(spectrum, channel):
     assert closed == pytest.approx(1e-6 * integral, rel=1e-9)
 
 
-@pytest.mark.parametrize("spectrum", SPECTRA[1:-1])
+@pytest.mark.parametrize("spectrum", PUBLISHED)
 @pytest.mark.parametrize("band", BANDS)
 def test_lines_sum_up_to_the_closed_form_variance(spectrum, band):
     rms = line_rms(spectrum, wavelength_min=band[0], wavelength_max=band[1])
@@ -79,22 +88,43 @@ def test_class_5_in_the_band_to_0_024_cycle_per_metre_to_six_digits():
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2**31 - 1])
-def test_report_is_an_alignment_of_0_088_in(seed):
-    rms = line_rms("report", seed=seed)
+@pytest.mark.parametrize("spectrum", REPORT_SPECTRA)
+def test_report_is_an_alignment_of_0_088_in(spectrum, seed):
+    rms = line_rms(spectrum, seed=seed)
     assert rms["alignment"] == pytest.approx(0.088 * INCH, rel=1e-12)
     assert rms["profile"] == rms["cross_level"] == rms["gauge"] == 0
 
 
-def test_report_has_a_line_in_each_bin_of_0_002_cycle_per_foot():
-    frequency, _, _ = rails.lines(track_values("report"))["alignment"]
+def test_report_lies_in_the_waves_of_5_to_200_feet_that_were_recorded():
+    frequency, _, amplitude = rails.lines(track_values("report"))["alignment"]
+    assert np.all(np.diff(frequency) > 0)
+    assert FOOT * frequency[0] > 1 / 200 and FOOT * frequency[-1] < 1 / 5
+    whole = band_variance("fra5", "alignment", 5 * FOOT, 200 * FOOT)
+    for edge in (100, 200, 250):
+        low = 1 / 200 + (1 / 5 - 1 / 200) * (edge / 300) ** 2
+        above = band_variance("fra5", "alignment", 5 * FOOT, FOOT / low)
+        share = np.sum(amplitude[edge:] ** 2) / np.sum(amplitude**2)
+        assert share == pytest.approx(above / whole, rel=tolerances.BAND_VARIANCE)
+
+
+@pytest.mark.parametrize("spectrum", [name for name in SPECTRA if name != "report_grid"])
+@pytest.mark.parametrize("band", [*BANDS, (0.5, 2000.0), (0.5, 200.0), (0.5, 201.0)])
+def test_no_line_carries_more_than_5_percent_of_a_channel(spectrum, band):
+    values = track_values(spectrum, wavelength_min=band[0], wavelength_max=band[1])
+    for _, _, amplitude in rails.lines(values).values():
+        assert np.max(amplitude**2) <= 0.05 * np.sum(amplitude**2)
+
+
+def test_report_grid_has_a_line_in_each_bin_of_0_002_cycle_per_foot():
+    frequency, _, _ = rails.lines(track_values("report_grid"))["alignment"]
     place = frequency * FOOT / 0.002
     assert np.array_equal(np.floor(place + 0.5), np.arange(1, 301))
     assert 0.2 < np.std(place - np.round(place)) < 0.4
 
 
 @pytest.mark.parametrize("first", [1, 3, 10, 100])
-def test_report_has_the_shape_of_the_fra_alignment(first):
-    _, _, amplitude = rails.lines(track_values("report"))["alignment"]
+def test_report_grid_has_the_shape_of_the_fra_alignment(first):
+    _, _, amplitude = rails.lines(track_values("report_grid"))["alignment"]
     shortest, edge, longest = (0.002 * n for n in (300.5, first + 0.5, 0.5))
     above, whole = (
         band_variance("fra5", "alignment", FOOT / shortest, FOOT / low) for low in (edge, longest)

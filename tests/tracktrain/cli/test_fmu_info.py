@@ -110,11 +110,11 @@ def test_every_block_fits_into_eighty_columns(block: str) -> None:
 
 
 def test_parameters_are_counted_and_listed_on_request() -> None:
-    assert "parameters 12" in rows(info(fmu_path("track")))
+    assert "parameters 13" in rows(info(fmu_path("track")))
     assert not any("report_rms" in line for line in rows(info(fmu_path("track"))))
     said = rows(info(fmu_path("track"), "--parameters"))
-    assert "parameters (12)" in said
-    assert "wavelength_min m 3 at least 0.5 Shortest wave of" in said
+    assert "parameters (13)" in said
+    assert "wavelength_min m 3 0.5 to 2000 Shortest wave of" in said
     assert any(line.startswith("spectrum (Enumeration) report report, fra1,") for line in said)
 
 
