@@ -5,6 +5,7 @@ from .errors import (
     DimensionError,
     FmuError,
     OrchestratorError,
+    ProfileError,
     ResultsError,
     UnitError,
     choices,
@@ -45,6 +46,7 @@ from .slaves.session import Session
 from .ssp.port_map import read_port_map
 from .ssp.reader import read_ssp
 from .ssp.writer import write_ssp
+from .system.profile import Profile, read_profile
 from .system.system import Component, Connection, Experiment, PowerBond, System, Value
 from .system.transformation import Linear, Table
 from .trust.findings import CHECKS
@@ -90,6 +92,8 @@ __all__ = [
     "PortMap",
     "PowerBond",
     "Problem",
+    "Profile",
+    "ProfileError",
     "Provenance",
     "Quantity",
     "ResultsError",
@@ -127,6 +131,7 @@ __all__ = [
     "plain",
     "read_checkpoint",
     "read_port_map",
+    "read_profile",
     "read_ssp",
     "resume",
     "rms",

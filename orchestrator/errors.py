@@ -81,6 +81,10 @@ class MixtureError(UnitError):
     """A difference meets what is none, in units whose zeros differ."""
 
 
+class ProfileError(OrchestratorError):
+    """A table cannot drive an input."""
+
+
 class SlaveError(OrchestratorError):
     """An FMU could not be loaded, or refused what it was given before the run began."""
 

@@ -36,3 +36,17 @@ def test_the_truck_alone_settles_and_is_the_same_as_an_archive(tmp_path):
     assert amplitude[-1] < 0.1 * amplitude[0]
     assert verdict == "as an archive: the same to the last bit"
     assert archive.exists()
+
+
+def test_hunting_dies_out_below_the_critical_speed(tmp_path):
+    picture = tmp_path / "run_down.png"
+    done = subprocess.run(
+        [sys.executable, EXAMPLES / "run_down.py", picture],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    amplitude = [float(line.split(":")[1].split()[0]) for line in done.stdout.splitlines()]
+    assert amplitude == sorted(amplitude, reverse=True)
+    assert amplitude[0] > 5.0 and amplitude[-1] < 0.2 * amplitude[0]  # mm
+    assert picture.stat().st_size > 10_000

@@ -10,11 +10,13 @@ from typing import Self
 
 from ..fmu.description import Description
 from ..plan.plan import Plan
+from ..system.profile import Profile
 from ..system.system import System
 from .base import Slave
 from .isolated.slave import IsolatedSlave
 from .listener import Listener
 from .loading import load, unzip
+from .profile import ProfileSlave
 
 
 class Session:
@@ -65,7 +67,9 @@ class Session:
             plan.names, system.components.values(), plan.descriptions, strict=True
         ):
             slave: Slave
-            if not isinstance(component.fmu, Path):
+            if isinstance(component.fmu, Profile):
+                slave = ProfileSlave(name, component.fmu)
+            elif not isinstance(component.fmu, Path):
                 slave = component.fmu.slave(name)
             elif name in ready:
                 slave = ready[name]

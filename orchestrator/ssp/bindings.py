@@ -105,7 +105,7 @@ def _parameter_set(element: Element, binding: Binding) -> tuple[str, list[Given]
     if node.get("type", SET_TYPE) != SET_TYPE:
         document.node.fail(f"{wanted} is of type '{node.get('type')}'; {SET_TYPE} can be read")
     inline = node.find("ParameterValues")
-    root = document.part(node, inline, "ParameterSet", wanted, element.fmu)
+    root = document.part(node, inline, "ParameterSet", wanted, element.file)
     return root.file, read_parameters(root)
 
 
@@ -131,4 +131,4 @@ def _map(element: Element, binding: Binding, names: Iterable[str]) -> tuple[MapE
         binding.document.node.fail(
             f"{wanted} is of type '{node.get('type')}'; {MAP_TYPE} can be read"
         )
-    return entries(binding.document.part(node, node, "ParameterMapping", wanted, element.fmu))
+    return entries(binding.document.part(node, node, "ParameterMapping", wanted, element.file))

@@ -11,6 +11,7 @@ from ..fmu.arrays import element_names, shaped
 from ..fmu.description import Description, Variable
 from ..fmu.read import describe
 from ..fmu.types import TYPES
+from ..system.profile import TIME, Profile, read_profile
 from .package import Document
 from .xml import Node
 
@@ -18,6 +19,8 @@ FMU = "application/x-fmu-sharedlibrary"
 SSD = "application/x-ssp-definition"
 SSP = "application/x-ssp-package"
 SSB = "application/x-ssp-signal-dictionary"
+TABLE = "application/table"
+"""A component that is a table over time, as OMSimulator writes and reads it."""
 
 DEEPEST = 32
 """Systems nested deeper than this contain themselves."""
@@ -48,14 +51,14 @@ class Binding:
 
 @dataclass(frozen=True, eq=False)
 class Element:
-    """A component (with an FMU), a system (with elements and connections), or a dictionary."""
+    """A component (with an FMU or a table), a system (with elements), or a dictionary."""
 
     name: str
     path: tuple[str, ...]
     document: Document
     connectors: Mapping[str, Connector]
     bindings: tuple[Binding, ...]
-    fmu: Path | None = None
+    fmu: Path | Profile | None = None
     elements: Mapping[str, Element] = field(default_factory=dict)
     connections: tuple[Node, ...] = ()
     annotations: tuple[Node, ...] = ()
@@ -67,9 +70,14 @@ class Element:
 
     @property
     def description(self) -> Description:
-        """That of its FMU."""
+        """That of its FMU or table."""
         assert self.fmu is not None
-        return describe(self.fmu)
+        return describe(self.fmu) if isinstance(self.fmu, Path) else self.fmu.description
+
+    @property
+    def file(self) -> Path | None:
+        """Its FMU; None for a table or a system."""
+        return self.fmu if isinstance(self.fmu, Path) else None
 
     def components(self) -> Iterator[Element]:
         """All components below, or itself."""
@@ -168,18 +176,28 @@ def _component(
         if system is None:
             nested.node.fail("it has no <System>")
         return _system(system, nested, path, around, name, _bindings(node, document))
-    if kind != FMU:
-        document.node.fail(f"{label} is of type '{kind}'; {choices(kind, (FMU, SSD, SSP))}")
+    if kind not in (FMU, TABLE):
+        document.node.fail(f"{label} is of type '{kind}'; {choices(kind, (FMU, SSD, SSP, TABLE))}")
     implementation = node.get("implementation", "any")
     if implementation not in ("any", "CoSimulation"):
         document.node.fail(f"{label} is to run as {implementation}; only CoSimulation can be run")
+    made = place if kind == FMU else _table(node, place, label)
     element = Element(
-        name, path, document, _connectors(node), _bindings(node, document), place,
+        name, path, document, _connectors(node), _bindings(node, document), made,
         annotations=tuple(node.all("Annotations", "Annotation")),
     )  # fmt: skip
     for connector in element.connectors:
         _check_connector(element, connector)
     return element
+
+
+def _table(node: Node, place: Path, label: str) -> Profile:
+    """The column over time that the component's one connector means, in the connector's unit."""
+    connectors = _connectors(node)
+    if len(connectors) != 1:
+        node.fail(f"{label} is a table with {len(connectors)} connectors; one output can be read")
+    ((name, connector),) = connectors.items()
+    return read_profile(place, name, units={TIME: "s", name: connector.unit or "1"})
 
 
 def _reference(

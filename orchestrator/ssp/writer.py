@@ -16,11 +16,13 @@ from ..fmu.read import describe
 from ..fmu.types import TYPES
 from ..fmu.units import Definitions
 from ..plan.plan import component_description
+from ..system.profile import Profile, write_profile
 from ..system.system import STEP, Component, Connection, Experiment, System, split
 from ..system.transformation import IDENTITY, Linear, Transformation
 from .package import DEFAULT
 from .parameter_sets import ParameterSet, UnitsInUse, shape_of, type_in, write_dimensions
 from .reader import OSP, OWN
+from .structure import TABLE
 from .xml import new_document, text_of
 
 VERSIONS = ("1.0", "2.0")
@@ -66,7 +68,11 @@ def write_ssp(
 
 
 def _version(system: System) -> str:
-    fmus = [_fmu(name, component) for name, component in system.components.items()]
+    fmus = [
+        _fmu(name, component)
+        for name, component in system.components.items()
+        if not isinstance(component.fmu, Profile)
+    ]
     return "2.0" if any(describe(fmu).fmi_version.startswith("3") for fmu in fmus) else "1.0"
 
 
@@ -87,9 +93,13 @@ class _Archive:
         elements = SubElement(whole, "ssd:Elements")
         descriptions: dict[str, Description] = {}
         for instance, component in system.components.items():
-            fmu = fmus[_fmu(instance, component)]
             description = component_description(instance, component)
             descriptions[instance] = description
+            if isinstance(component.fmu, Profile):
+                files[_place_of(instance)] = write_profile(component.fmu).encode()
+                self._table(elements, instance, component.fmu)
+                continue
+            fmu = fmus[_fmu(instance, component)]
             # All sets have the system's name, by which ecos asks for them.
             parameters = ParameterSet(self.version, self.name)
             values = parameters.write(instance, component, description, self.changes_only)
@@ -109,6 +119,14 @@ class _Archive:
         self.units.write(root)
         _experiment(root, system.experiment)
         return {DEFAULT: text_of(root), **files}
+
+    def _table(self, parent: Element, instance: str, profile: Profile) -> None:
+        """A table as OMSimulator knows it: a CSV file whose columns are outputs."""
+        source = quote(_place_of(instance))
+        node = SubElement(parent, "ssd:Component", name=instance, type=TABLE, source=source)
+        connectors = SubElement(node, "ssd:Connectors")
+        connector = SubElement(connectors, "ssd:Connector", name=profile.name, kind="output")
+        SubElement(connector, "ssc:Real", self.units.attribute(profile.unit, {}))
 
     def _component(
         self,
@@ -167,10 +185,17 @@ def _fmu(instance: str, component: Component) -> Path:
     return component.file.resolve()
 
 
+def _place_of(instance: str) -> str:
+    """Where the table of an instance stands in the archive."""
+    return f"resources/{instance}.csv"
+
+
 def _places(components: Mapping[str, Component]) -> dict[Path, str]:
     """Where each FMU stands in the archive; of two with the same name one is numbered."""
     places: dict[Path, str] = {}
     for instance, component in components.items():
+        if isinstance(component.fmu, Profile):
+            continue
         path = _fmu(instance, component)
         place, number = f"resources/{path.name}", 2
         while path not in places and place in places.values():

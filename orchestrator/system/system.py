@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ..errors import CouplingError, choices
 from ..fmu.port_map import PortMap
+from .profile import Profile
 from .source import Source
 from .transformation import IDENTITY, Transformation
 
@@ -28,7 +30,7 @@ class Component:
     every: it steps once in so many macro steps, over all of them.
     """
 
-    fmu: Path | Source
+    fmu: Path | Profile | Source
     parameters: Mapping[str, Value] = field(default_factory=dict)
     ports: PortMap | None = None
     every: int = 1
@@ -39,7 +41,7 @@ class Component:
 
     @property
     def file(self) -> Path | None:
-        """The FMU file; None for a model within the program."""
+        """The FMU file; None for a table or a model within the program."""
         return self.fmu if isinstance(self.fmu, Path) else None
 
 
@@ -97,6 +99,34 @@ class System:
         component = self._component(instance)
         changed = replace(component, parameters={**component.parameters, variable: value})
         return replace(self, components={**self.components, instance: changed})
+
+    def driven(self, name: str, profile: Profile) -> System:
+        """The same system with a table that drives the input "instance.variable".
+
+        The table is an instance of its own, named after the input; its value at a time takes the
+        place of a start value. Raises CouplingError for an input that something drives.
+        """
+        instance, variable = split(name)
+        component = self._component(instance)
+        driver = next((c.source for c in self.connections if c.target == name), None)
+        if driver is not None:
+            raise CouplingError(
+                f"{name} cannot be driven by the table {profile.origin or profile.name}: it is "
+                f"driven by {driver}"
+            )
+        place = re.sub(r"\W+", "_", name).strip("_")
+        if place in self.components:
+            raise CouplingError(f"an instance is called '{place}', as the table of {name} would be")
+        given = {n: value for n, value in component.parameters.items() if n != variable}
+        return replace(
+            self,
+            components={
+                **self.components,
+                instance: replace(component, parameters=given),
+                place: Component(profile),
+            },
+            connections=(*self.connections, Connection(f"{place}.{profile.name}", name)),
+        )
 
     def prefixed(self, prefix: str) -> System:
         """The same system, nested under a name: `truck` becomes `prefix:truck`."""

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
-from orchestrator import Description, PortMap, System, Value, describe
+from orchestrator import Description, PortMap, Profile, System, Value, describe, read_profile
 
 from ..errors import HopperError, choices
 from .hopper import layout_of
@@ -57,6 +57,20 @@ def swapped(
     if ports is not None and ports.rates:
         notes.append(f"{label}: {differentiated(ports)}")
     return replace(swap, components=components), notes
+
+
+def driven(system: System, instance: str, name: str, table: str) -> tuple[System, Profile]:
+    """The system with an input that follows a table, FILE or FILE:COLUMN.
+
+    Without a column the table's only one is taken, or that which is called as the input is.
+    Raises orchestrator.ProfileError, or CouplingError for an input that cannot be driven.
+    """
+    path, _, column = table.rpartition(":")
+    if not path or Path(table).exists():
+        path, column = table, ""
+    full = f"{instance}.{name}"
+    profile = read_profile(path, column or None, (full, name))
+    return system.driven(full, profile), profile
 
 
 def seen(

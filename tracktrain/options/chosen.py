@@ -24,12 +24,19 @@ Assigned = tuple[str, str, str]
 DURATION, STEP = 8.0, 1e-3
 """Of a run of the hopper car [s]."""
 
-CAR_ONLY = ("car", "speed", "track", "seed", "initials")
+CAR_ONLY = ("car", "speed", "speed_profile", "track", "seed", "initials")
 """Options that make no sense for a system from a file."""
 
 _OPTIONS = (
     car_option(),
     speed_option(),
+    click.option(
+        "--speed-profile",
+        type=click.Path(path_type=Path, dir_okay=False),
+        metavar="FILE",
+        help="Speed over time instead of --speed, as --drive has it; unless --duration is given, "
+        "the run is as long as the table.",
+    ),
     track_option(),
     seed_option(),
     click.option(
@@ -45,6 +52,16 @@ _OPTIONS = (
         help="Macro step, at which the FMUs exchange values.  [default: 1ms]",
     ),
     set_option(),
+    click.option(
+        "--drive",
+        "drives",
+        type=Assignment(instances, "instance.input=table.csv"),
+        multiple=True,
+        metavar="INSTANCE.INPUT=FILE",
+        help="Let an input follow a table over time: CSV, its first line names the columns with "
+        "their units, such as 'time [s],speed [ft/s]'; linear between the points. FILE:COLUMN "
+        "chooses one of several columns. Repeatable.",
+    ),
     click.option(
         "--initial",
         "initials",
@@ -75,6 +92,7 @@ class Shape:
 
     car: str = "loaded"
     speed: float = REPORT_SPEED
+    speed_profile: Path | None = None
     track: str = "report"
     seed: int = 1
     duration: float | None = None
@@ -83,6 +101,7 @@ class Shape:
     initials: Sequence[Assigned] = ()
     swaps: Sequence[Assigned] = ()
     maps: Sequence[Assigned] = ()
+    drives: Sequence[Assigned] = ()
 
     @classmethod
     def taken(cls, options: dict[str, Any]) -> Shape:
@@ -106,7 +125,14 @@ def chosen_car(shape: Shape) -> System:
         system = changes.displaced(system, instance, coordinate, value)
     for instance, name, value in shape.settings:
         system = changes.assigned(system, instance, name, value)
-    system = replace(system, notes=tuple(notes), experiment=Experiment(0.0, DURATION, STEP))
+    stop = DURATION
+    if shape.speed_profile is not None:
+        instance, name = hopper.layout_of(system).track, "speed"
+        system, profile = changes.driven(system, instance, name, str(shape.speed_profile))
+        stop = profile.times[-1]
+    for instance, name, table in shape.drives:
+        system, _ = changes.driven(system, instance, name, table)
+    system = replace(system, notes=tuple(notes), experiment=Experiment(0.0, stop, STEP))
     return _timed(system, shape)
 
 
@@ -131,6 +157,8 @@ def chosen_file(
         if ports is not None and ports.rates:
             note = f"{fmu} as {instance}: {changes.differentiated(ports)}"
             system = replace(system, notes=(*system.notes, note))
+    for instance, name, table in shape.drives:
+        system, _ = changes.driven(system, instance, name, table)
     if shape.duration is None and system.experiment.stop is None:
         raise TracktrainError(f"'{path}' does not say how long to run; give --duration")
     return _timed(system, shape)
@@ -146,6 +174,12 @@ def refuse_options(ctx: click.Context, names: Iterable[str], reason: str) -> Non
     ]
     if given:
         raise TracktrainError(f"{reason}; leave out {' and '.join(given)}")
+
+
+def refuse_second_speed(ctx: click.Context, shape: Shape) -> None:
+    """Raise TracktrainError where a speed and a table of it were given."""
+    if shape.speed_profile is not None:
+        refuse_options(ctx, ["speed"], f"the speed is that of '{shape.speed_profile}'")
 
 
 def _port_maps(shape: Shape) -> dict[str, PortMap]:

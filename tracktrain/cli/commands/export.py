@@ -10,7 +10,7 @@ import click
 import orchestrator
 
 from ...errors import TracktrainError
-from ...options.chosen import Shape, chosen_car, system_options
+from ...options.chosen import Shape, chosen_car, refuse_second_speed, system_options
 from ...options.types import Name
 
 
@@ -36,14 +36,19 @@ Examples:
     "enumerations such as a creep law; unless changed, these are left out then.",
 )
 @system_options
-def command(file: Path, standard: str | None, changes_only: bool, **shape: Any) -> None:
+@click.pass_context
+def command(
+    ctx: click.Context, file: Path, standard: str | None, changes_only: bool, **options: Any
+) -> None:
     """Write the hopper car as an SSP archive, which other co-simulation tools can run.
 
     It holds the FMUs, the values of their parameters, the connections and the experiment.
     """
     if file.suffix != ".ssp":
         raise TracktrainError(f"'{file}' is no name for an archive; it must end in .ssp")
-    system = chosen_car(Shape.taken(shape))
+    shape = Shape.taken(options)
+    refuse_second_speed(ctx, shape)
+    system = chosen_car(shape)
     path = orchestrator.write_ssp(
         system, file, name=file.stem, version=standard, changes_only=changes_only
     )

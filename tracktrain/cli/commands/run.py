@@ -22,6 +22,7 @@ from ...options.chosen import (
     chosen_car,
     chosen_file,
     refuse_options,
+    refuse_second_speed,
     system_options,
 )
 from ...options.master import coupling, master_options
@@ -48,7 +49,8 @@ Examples:
   tracktrain run --set wheelset_11.conicity=0.1 --set track.report_rms="0.05 in"
   tracktrain run --swap truck_rear=my_truck.fmu --out results/my-truck
   tracktrain run --master jacobi --verify --verify-output "wheelset_*.force_y"
-  tracktrain run hopper.ssp --set track.seed=7"""
+  tracktrain run --speed-profile run-down.csv --track fra5
+  tracktrain run hopper.ssp --set track.seed=7 --drive track.speed=run-down.csv"""
 )
 @click.argument(
     "file", required=False, is_eager=True, type=click.Path(path_type=Path), metavar="[FILE.ssp]"
@@ -97,6 +99,7 @@ def command(
         start = partial(orchestrator.resume, resume)
     elif file is None:
         refuse_options(ctx, ["ssd"], "there is no file to choose a system of")
+        refuse_second_speed(ctx, shape)
         system = chosen_car(shape)
     else:
         refuse_options(ctx, CAR_ONLY, f"the car is the one that '{file}' describes")
