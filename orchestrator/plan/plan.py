@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ..errors import CouplingError, ResultsError, choices
 from ..fmu.description import CO_SIMULATION, Description, Variable
+from ..fmu.given import several
 from ..fmu.read import describe
 from ..system.system import Component, System, Value
 from .bonds import Bond, find_bonds
@@ -68,14 +69,14 @@ class Plan:
 
 def make_plan(
     system: System,
-    record: Sequence[str] | None = None,
+    record: str | Sequence[str] | None = None,
     interface: str = CO_SIMULATION,
     isolated: Collection[str] = (),
 ) -> Plan:
     """Check a system and number its parts; raises OrchestratorError for what does not fit.
 
-    record: names or patterns (`*`, `?`) of the outputs to keep; None keeps all. interface: for
-    which the FMUs are to run. isolated: instances that run in processes of their own.
+    record: name or pattern of the outputs to keep (`*`, `?`), or several; None keeps all.
+    interface: for which the FMUs are to run. isolated: instances in processes of their own.
     """
     names = _instances(system)
     descriptions = [
@@ -252,7 +253,7 @@ def _note_loops(
 
 
 def _recorded(
-    record: Sequence[str] | None,
+    record: str | Sequence[str] | None,
     names: list[str],
     outputs: list[tuple[int, Variable]],
     open_inputs: list[tuple[int, Variable]],
@@ -264,6 +265,7 @@ def _recorded(
     ]
     if record is None:
         return frozenset(available)
+    record = several(record, "record")
     wanted: set[str] = set()
     for pattern in record:
         expression = re.escape(pattern).replace(r"\*", ".*").replace(r"\?", ".")

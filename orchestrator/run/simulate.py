@@ -28,7 +28,7 @@ ONE_PASS, USUAL = OnePass(), Settings()
 
 
 def simulate(
-    system: System,
+    system: System | Path | str,
     master: Master | str = ONE_PASS,
     settings: Settings = USUAL,
     *,
@@ -42,9 +42,11 @@ def simulate(
 
     simulate(system, Jacobi(order=1), Settings(duration=8.0, step=1e-3))
     simulate(system, duration=8.0, step=1e-3, master="jacobi", order=1)
+    simulate("car.ssp", duration="8 s", record="wheelset_*.force_y")
 
-    given: fields of the settings and of the master, by name, which change those. progress: called
-    with simulated time and wall time of stepping [s]. logger: a `Log`, or a function; called with
+    system: one, or the path of a file that `read_ssp` reads. given: fields of the settings and of
+    the master, by name, which change those. progress: called with simulated time and wall time of
+    stepping [s]. logger: a `Log`, or a function; called with
     what FMUs say. session: keeps the FMUs loaded for the next run, which resets them. sinks: take
     the rows as they are made.
     Raises OrchestratorError for what does not fit before the first step; from then on the run

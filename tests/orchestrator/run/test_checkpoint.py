@@ -144,7 +144,7 @@ def test_kill_while_a_checkpoint_is_written_leaves_the_one_before(tmp_path, monk
     count = iter(range(100))
 
     def killed(path, target):
-        if next(count) >= 2:
+        if next(count) >= 3:
             raise SystemExit("killed between writing and moving")
         return replace(path, target)
 
