@@ -6,7 +6,7 @@ Elements are numbered from 1 in FMI's order, the last index running fastest: `q[
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import product
 from math import prod
@@ -74,6 +74,15 @@ def taken_apart(description: Description, sizes: Mapping[str, int]) -> Descripti
         arrays = _named_arrays(variables)
     whole = replace(description, variables=variables, arrays=arrays)
     return whole if _is_plain(whole) else with_lanes(whole)
+
+
+def reading(description: Description, names: Collection[str]) -> Description:
+    """A description with other variables as outputs, too."""
+    if not names:
+        return description
+    wider = description.with_outputs(names)
+    lanes = any(v.lane for v in description.variables.values())
+    return wider if lanes or _is_plain(wider) else with_lanes(wider)
 
 
 def with_lanes(description: Description) -> Description:

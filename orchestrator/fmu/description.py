@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 
-from ..errors import ValueRefusedError, choices
 from .types import TYPES
 from .units import Definitions, Unit
 
@@ -36,7 +35,9 @@ class Variable:
     value reference. dimensions: sizes, or names of the structural parameters that give them; an
     array that is coupled is taken apart into variables without. starts: those of an array.
     difference: its values are differences, to which no offset of a unit belongs.
-    interpolated: an input that may vary over a step.
+    interpolated: an input that may vary over a step. clocks: value references of those that it
+    belongs to. held: between the ticks of clocks it stays as it is. clocked: because of its clocks
+    it is not coupled.
     """
 
     name: str
@@ -59,6 +60,8 @@ class Variable:
     dimensions: tuple[int | str, ...] = ()
     starts: tuple[str, ...] = ()
     interpolated: bool = True
+    clocks: tuple[int, ...] = ()
+    held: bool = False
     clocked: bool = False
     lane: Lane | None = None
 
@@ -70,8 +73,12 @@ class Variable:
     @property
     def coupled(self) -> bool:
         """Whether it is a number that masters can exchange."""
-        numeric = self.kind not in ("string", "binary", "clock")
-        return numeric and not self.shape and not self.clocked
+        return not self.textual and not self.shape and not self.clocked
+
+    @property
+    def textual(self) -> bool:
+        """Whether it is a text, as which bytes are passed on, too: two hexadecimal digits each."""
+        return self.kind in ("string", "binary")
 
     @property
     def value_reference(self) -> int:
@@ -79,18 +86,29 @@ class Variable:
         return self.lane.value_reference if self.lane else self.reference
 
     @property
-    def takes_value(self) -> bool:
-        """Whether it may be given a value before the run."""
-        if self.variability == "constant" or self.causality == "independent":
-            return False
-        if self.causality in ("parameter", "structuralParameter", "input"):
-            return True
-        return self.initial in ("exact", "approx")
-
-    @property
     def label(self) -> str:
         """Name and unit, as messages show it."""
         return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+
+@dataclass(frozen=True)
+class Clock:
+    """A clock of FMI 3.0. variability: of its interval, as the standard has it.
+
+    interval, shift: from tick to tick, and to the first one [s]; None where only the FMU knows.
+    """
+
+    name: str
+    reference: int
+    causality: str
+    variability: str
+    interval: float | None = None
+    shift: float = 0.0
+
+    @property
+    def triggered(self) -> bool:
+        """Whether it ticks when other clocks do, and not by time."""
+        return self.causality == "output" or self.variability == "triggered"
 
 
 @dataclass(frozen=True)
@@ -110,7 +128,9 @@ class Description:
     arrays: shapes of those that were taken apart into elements. aliases: other names of variables.
     has_events: it has the event mode of FMI 3.0. returns_early: it may end a step early.
     input_order: the highest derivative of an input that is taken; of a file it is 1.
-    needs_tool: it runs in the tool that it is from.
+    needs_tool: it runs in the tool that it is from. tolerance: that its default experiment asks
+    for. reads_any_time: outputs may be read after inputs were set, without a step between;
+    late: those that are not and follow inputs at once.
     """
 
     label: str
@@ -135,6 +155,30 @@ class Description:
     aliases: Mapping[str, str] = field(default_factory=dict)
     has_events: bool = False
     returns_early: bool = False
+    clocks: tuple[Clock, ...] = ()
+    tolerance: float | None = None
+    reads_any_time: bool = True
+    late: tuple[str, ...] = ()
+
+    def as_of_steps(self) -> Description:
+        """The same, outputs being read right after a step only: none follows an input at once."""
+        variables = {
+            v.name: replace(v, dependencies=frozenset()) if v.causality == "output" else v
+            for v in self.variables.values()
+        }
+        late = tuple(v.name for v in self.outputs if v.dependencies != frozenset())
+        return replace(
+            self, variables=variables, reads_any_time=False, gives_derivatives=False, late=late
+        )
+
+    def with_outputs(self, names: Collection[str]) -> Description:
+        """The same with more variables as outputs, of which it is not said what they depend on."""
+        depends = None if self.reads_any_time else frozenset[str]()
+        variables = {
+            v.name: replace(v, causality="output", dependencies=depends) if v.name in names else v
+            for v in self.variables.values()
+        }
+        return replace(self, variables=variables)
 
     def find(self, name: str) -> Variable | None:
         """The variable of a name, which may be an alias."""
@@ -145,18 +189,6 @@ class Description:
         if variable.unit is None:
             return None
         return Unit(variable.unit, self.units, variable.difference)
-
-    def may_have(self, name: str) -> bool:
-        """Whether there is a variable or an array of a name, or such an element for some size."""
-        return self.find(name) is not None or name.partition("[")[0] in self.arrays
-
-    def unknown(self, instance: str, name: str) -> ValueRefusedError:
-        """What to raise where a value is given to a variable that there is not."""
-        settable = (v.name for v in self.variables.values() if v.takes_value)
-        names = [known for known in settable if known not in self.partials]
-        return ValueRefusedError(
-            f"{instance} ({self.label}) has no variable '{name}'; {choices(name, names)}"
-        )
 
     def interpolates(self, variable: Variable) -> bool:
         """Whether an input can be led along a line over a step."""

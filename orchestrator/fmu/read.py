@@ -18,6 +18,7 @@ from ..errors import FmuError, choices
 from .archive import check_file, open_archive
 from .arrays import taken_apart
 from .check import first_problem
+from .clocks import clocks_of, with_clocks
 from .description import CO_SIMULATION, MODEL_EXCHANGE, Description, Tangent, Variable
 from .units import definitions
 
@@ -145,7 +146,9 @@ def survey(contents: Contents, interface: str = CO_SIMULATION) -> Description:
 def _survey(contents: Contents, interface: str) -> Description:
     interfaces = contents.interfaces
     said = interfaces.get(interface) or next(iter(interfaces.values()), {})
-    variables = _variables(contents)
+    has_events = _is_true(said, "hasEventMode")
+    clocks = clocks_of(contents.root)
+    variables = with_clocks(_variables(contents), clocks if has_events else ())
     identifier, model = said.get("modelIdentifier", ""), contents.model
     return Description(
         label=contents.path.name,
@@ -168,8 +171,10 @@ def _survey(contents: Contents, interface: str) -> Description:
         sha256=_sha256(contents.path),
         failure_categories=tuple(c.name for c in model.logCategories or () if c.name in FAILURES),
         aliases={v.name: v.alias.name for v in model.modelVariables if v.alias is not None},
-        has_events=_is_true(said, "hasEventMode"),
+        has_events=has_events,
         returns_early=_is_true(said, "mightReturnEarlyFromDoStep"),
+        clocks=clocks,
+        tolerance=_tolerance(contents.root),
     )
 
 
@@ -222,6 +227,16 @@ def _in_an_archive(description: bytes) -> io.BytesIO:
 def _sha256(path: Path) -> str:
     with path.open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def _tolerance(root: ElementTree.Element) -> float | None:
+    """The tolerance that the default experiment asks for, where it is one."""
+    said = root.find("DefaultExperiment")
+    try:
+        found = float("" if said is None else said.get("tolerance", ""))
+    except ValueError:
+        return None
+    return found if 0.0 < found < float("inf") else None
 
 
 def _is_true(attributes: Mapping[str, str], *names: str) -> bool:
@@ -305,7 +320,7 @@ def _variable(read: Any, dependencies: frozenset[str] | None, names: Mapping[int
         dimensions=tuple(
             names[d.valueReference] if d.start is None else int(d.start) for d in read.dimensions
         ),
-        clocked=bool(read.clocks) and read.type != "Clock",
+        clocks=tuple(clock.valueReference for clock in read.clocks or ()),
     )
 
 

@@ -46,6 +46,6 @@ TYPES = {
     **{f"Int{8 * n}": _integer(f"Int{8 * n}", f"i{n}") for n in (1, 2, 4, 8)},
     **{f"UInt{8 * n}": _integer(f"UInt{8 * n}", f"u{n}") for n in (1, 2, 4, 8)},
     "Binary": Type("binary", "Binary", fmi3=("Binary", "")),
-    "Clock": Type("clock", "Clock", fmi3=("Clock", "")),
+    "Clock": Type("clock", "Clock", fmi3=("Clock", "u1")),
 }
 """By their names in FMI 2.0 and 3.0 and in SSP."""

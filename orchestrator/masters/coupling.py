@@ -115,8 +115,12 @@ def dependent(plan: Plan, cut: Collection[Link] = ()) -> list[list[int]]:
 
 
 def continuous(link: Link) -> bool:
-    """Whether there are values between those of a link: whole numbers and Booleans have none."""
-    return link.output.kind == "real" and link.input.kind == "real"
+    """Whether there are values between those of a link.
+
+    Whole numbers and Booleans have none, and neither has what stays as it is between ticks.
+    """
+    held = link.output.held or link.input.held
+    return link.output.kind == "real" and link.input.kind == "real" and not held
 
 
 def interpolated(plan: Plan, link: Link) -> bool:

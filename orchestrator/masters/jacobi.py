@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ..errors import CouplingError
 from ..options import option
 from ..plan.plan import Plan
 from .base import Extrapolating, Prepared
@@ -31,6 +32,11 @@ class Jacobi(Extrapolating):
         "Threads that step the FMUs of jacobi at the same time; pays for many or slow FMUs.",
         least=1,
     )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.threads < 1:
+            raise CouplingError(f"{self.threads} threads can step nothing; give at least 1")
 
     def prepare(self, plan: Plan, slaves: Sequence[Slave]) -> Prepared:
         """The loop that holds, or the explicit one where inputs are not merely held."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -57,8 +56,8 @@ def find_links(
                 )
             links[place] = link
     ordered = sorted(links.values(), key=lambda link: link.target)
-    texts = [link for link in ordered if link.input.kind == "string"]
-    return [link for link in ordered if link.input.kind != "string"], texts
+    texts = [link for link in ordered if link.input.textual]
+    return [link for link in ordered if not link.input.textual], texts
 
 
 def _elements(
@@ -109,12 +108,6 @@ def _link(
             f"{' and '.join(sorted(a for a, b in DRIVES if b == port.kind))} outputs"
         )
     gain, offset = _conversion(connection, output, port, found, descriptions[source])
-    if not (math.isfinite(gain) and math.isfinite(offset)):
-        wrong = f"adds {offset:g}" if math.isfinite(gain) else f"multiplies by {gain:g}"
-        raise CouplingError(
-            f"the connection from {connection.source} to {connection.target} {wrong}; give a "
-            "finite factor and offset"
-        )
     return Link(source, output, target, port, gain, offset, connection.transformation)
 
 
@@ -147,13 +140,12 @@ def _port(
 
 
 def _check_type(label: str, found: Variable, causality: str) -> None:
-    if found.clocked:
-        why = "it belongs to a clock, and only variables of every communication point are coupled"
-    elif found.kind in ("binary", "clock"):
-        why = (
-            f"it is of type {found.type}, and only numbers, booleans, enumerations and texts are "
-            "coupled"
-        )
+    if found.clocked and found.kind == "clock":
+        why = "it is a clock that ticks by itself, or the FMU has no event mode"
+    elif found.clocked:
+        why = "it belongs to a clock, and the FMU has no event mode in which that could tick"
+    elif found.textual and found.clocks:
+        why = f"it is of type {found.type} and belongs to a clock, which is for numbers only"
     elif found.shape:
         why = f"it is an array of {shaped(found.shape)}, and at most {MOST} elements are coupled"
     else:

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ..errors import CouplingError, ResultsError, choices
+from ..errors import CouplingError
 from ..fmu.description import CO_SIMULATION, Description, Variable
-from ..fmu.given import several
 from ..fmu.read import describe
 from ..system.system import Component, System, Value
 from .bonds import Bond, find_bonds
 from .connections import Link, find_links
+from .kept import late_notes, recorded, with_asked
 from .order import Batch, Loop, Port, evaluation_order
 from .start_values import resolve
 
@@ -69,22 +68,23 @@ class Plan:
 
 def make_plan(
     system: System,
-    record: str | Sequence[str] | None = None,
+    record: Sequence[str] | None = None,
     interface: str = CO_SIMULATION,
     isolated: Collection[str] = (),
 ) -> Plan:
     """Check a system and number its parts; raises OrchestratorError for what does not fit.
 
-    record: name or pattern of the outputs to keep (`*`, `?`), or several; None keeps all.
-    interface: for which the FMUs are to run. isolated: instances in processes of their own.
+    record: names or patterns (`*`, `?`) of the outputs to keep; None keeps all. interface: for
+    which the FMUs are to run. isolated: instances that run in processes of their own.
     """
     names = _instances(system)
     descriptions = [
         component_description(name, c, interface) for name, c in system.components.items()
     ]
+    notes = [*system.notes, *late_notes(system, descriptions)]
+    descriptions = with_asked(record, names, descriptions)
     _check_single_instances(names, descriptions, isolated)
     every = [_every(name, component.every) for name, component in system.components.items()]
-    notes = list(system.notes)
     links, text_links = find_links(system.connections, names, descriptions, notes)
     driven = {(link.target, link.input.name): link for link in [*links, *text_links]}
     values = _values(system, descriptions, driven)
@@ -96,8 +96,13 @@ def make_plan(
     ]
     _note_open_inputs(notes, names, open_inputs, values)
     outputs = [(i, v) for i, d in enumerate(descriptions) for v in d.outputs if v.coupled]
-    texts = [(i, v) for i, d in enumerate(descriptions) for v in d.outputs if v.kind == "string"]
-    wanted = _recorded(record, names, [*outputs, *texts], open_inputs)
+    texts = [
+        (i, v)
+        for i, d in enumerate(descriptions)
+        for v in d.outputs
+        if v.textual and not (v.clocks or v.shape)
+    ]
+    wanted = recorded(record, names, [*outputs, *texts], open_inputs)
 
     def is_wanted(port: tuple[int, Variable]) -> bool:
         return f"{names[port[0]]}.{port[1].name}" in wanted
@@ -131,7 +136,7 @@ def feedthrough(
 ) -> tuple[list[Port], dict[Port, frozenset[str]], dict[Port, Port]]:
     """Outputs, the inputs that they depend on, and what drives these, for `evaluation_order`."""
     read = list(ports)
-    every = {i: frozenset(v.name for v in descriptions[i].inputs) for i, _ in read}
+    every = {i: frozenset(v.name for v in descriptions[i].inputs if not v.held) for i, _ in read}
     depends = {(i, v.name): every[i] if v.dependencies is None else v.dependencies for i, v in read}
     driver = {(k.target, k.input.name): (k.source, k.output.name) for k in links}
     return [(i, v.name) for i, v in read], depends, driver
@@ -198,7 +203,9 @@ def component_description(
         if variable is not None and variable.causality == "structuralParameter":
             sizes |= {v.name: int(str(n)) for v, n in resolve(name, found, parameter, value)}
     described = describe(component.fmu, sizes, interface) if sizes else found
-    return component.ports.applied(described) if component.ports else described
+    if component.ports:
+        described = component.ports.applied(described)
+    return described if component.reads_any_time else described.as_of_steps()
 
 
 def _check_single_instances(
@@ -250,30 +257,6 @@ def _note_loops(
         ]
         shown = ", ".join(inside[:12]) + (f" and {len(inside) - 12} more" if inside[12:] else "")
         notes.append(f"algebraic loop, solved at every communication point: {shown}")
-
-
-def _recorded(
-    record: str | Sequence[str] | None,
-    names: list[str],
-    outputs: list[tuple[int, Variable]],
-    open_inputs: list[tuple[int, Variable]],
-) -> frozenset[str]:
-    available = [
-        f"{names[i]}.{v.name}"
-        for i, v in [*outputs, *open_inputs]
-        if v.coupled or v.causality == "output"
-    ]
-    if record is None:
-        return frozenset(available)
-    record = several(record, "record")
-    wanted: set[str] = set()
-    for pattern in record:
-        expression = re.escape(pattern).replace(r"\*", ".*").replace(r"\?", ".")
-        found = {name for name in available if re.fullmatch(expression, name)}
-        if not found:
-            raise ResultsError(f"no output matches '{pattern}'; {choices(pattern, available)}")
-        wanted |= found
-    return frozenset(wanted)
 
 
 def _read(

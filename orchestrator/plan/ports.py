@@ -15,6 +15,8 @@ DRIVES = {
     ("boolean", "boolean"),
     ("enumeration", "enumeration"),
     ("string", "string"),
+    ("binary", "binary"),
+    ("clock", "clock"),
 }
 """Kinds of outputs, and of the inputs that they may drive."""
 

@@ -19,6 +19,11 @@ NO_UNIT = (None, "", "1")
 _WHOLE_NUMBER = re.compile(r"\s*[+-]?\d+\s*")
 
 
+def settable(description: Description) -> list[str]:
+    """Names of the variables that may be given a value before the run."""
+    return [v.name for v in description.variables.values() if _takes_value(v)]
+
+
 def resolve(
     instance: str, description: Description, name: str, value: Value
 ) -> list[tuple[Variable, Value]]:
@@ -43,17 +48,17 @@ def _resolve(
     variable = description.find(name)
     full = f"{instance}.{name}"
     if variable is None:
-        raise description.unknown(instance, name)
-    if not variable.takes_value:
+        names = [v for v in settable(description) if v not in description.partials]
+        raise ValueRefusedError(
+            f"{instance} ({description.label}) has no variable '{name}'; {choices(name, names)}"
+        )
+    if not _takes_value(variable):
         raise ValueRefusedError(
             f"{full} cannot be given a value: it is a {variable.variability} {variable.causality}; "
             "parameters and inputs can"
         )
-    if variable.kind in ("binary", "clock"):
-        raise ValueRefusedError(
-            f"{full} cannot be given a value: it is of type {variable.type}; numbers, booleans, "
-            "enumerations and texts can"
-        )
+    if variable.kind == "clock":
+        raise ValueRefusedError(f"{full} cannot be given a value: it is a clock")
     if variable.shape:
         raise ValueRefusedError(
             f"{full} cannot be given a value: it is an array of {shaped(variable.shape)}; those of "
@@ -63,6 +68,8 @@ def _resolve(
         raise ValueRefusedError(f"{full} cannot be {list(value)}: it is no array")
     if variable.kind == "string":
         return variable, str(value)
+    if variable.kind == "binary":
+        return variable, _digits(full, value)
     if variable.kind == "boolean":
         return variable, _boolean(full, value)
     if isinstance(value, str) and value.strip() in variable.items:
@@ -130,6 +137,25 @@ def _is_value(word: str) -> bool:
     except ValueError:
         return word.lower() in ("true", "false")
     return True
+
+
+def _takes_value(variable: Variable) -> bool:
+    if variable.variability == "constant" or variable.causality == "independent":
+        return False
+    if variable.causality in ("parameter", "structuralParameter", "input"):
+        return True
+    return variable.initial in ("exact", "approx")
+
+
+def _digits(full: str, value: Value) -> str:
+    """Bytes as hexadecimal digits, two for each."""
+    try:
+        return bytes.fromhex(str(value)).hex()
+    except ValueError:
+        raise ValueRefusedError(
+            f"{full} cannot be '{value}': it is of type Binary; give two hexadecimal digits for "
+            "each byte, such as 666f6f"
+        ) from None
 
 
 def _boolean(full: str, value: Value) -> bool:

@@ -51,8 +51,8 @@ class ResultsFile:
     Behind each row stands its checksum.
     """
 
-    def __init__(self, path: Path | str) -> None:
-        self.path = Path(path)
+    def __init__(self, path: Path) -> None:
+        self.path = path
         self._opened = False
 
     def begin(self, header: Header) -> None:
@@ -75,7 +75,7 @@ class ResultsFile:
                     "another folder"
                 )
             new.write_bytes(classic.packed())
-            new.replace(path)  # who reads the old file goes on reading it
+            os.replace(new, path)  # who reads the old file goes on reading it
             self._open()
         except OSError as error:
             with suppress(OSError):

@@ -8,7 +8,6 @@ import time
 from collections.abc import Sequence
 from contextlib import ExitStack
 from functools import cached_property
-from pathlib import Path
 from typing import Self
 from uuid import uuid4
 
@@ -25,8 +24,8 @@ from ..results.provenance import provenance
 from ..results.recording import Recording
 from ..results.run import Run, Statistics
 from ..results.sink import Header, Sink
+from ..slaves.departure import callers, departing
 from ..slaves.session import Session
-from ..ssp.reader import system_of
 from ..system.system import System
 from ..trust.findings import Evidence
 from .checkpoint import Checkpoint, Checkpoints, refuse_without_state, remove_checkpoint
@@ -34,9 +33,10 @@ from .context import Context
 from .initial_values import settle
 from .log import Logger, listener
 from .outcome import Kind, Outcome
-from .settings import Settings, chosen
+from .settings import Settings
 from .stepping import Progress, Stepper
 from .texts import Texts
+from .watch import Watch
 
 
 class Execution:
@@ -56,8 +56,8 @@ class Execution:
 
     def __init__(
         self,
-        system: System | Path | str,
-        master: Master | str,
+        system: System,
+        master: Master,
         settings: Settings,
         *,
         logger: Logger | None = None,
@@ -66,8 +66,6 @@ class Execution:
         resumed: Checkpoint | None = None,
     ) -> None:
         self._began = time.perf_counter()
-        system = system_of(system)
-        master, settings = chosen(master, settings, {})
         grid, self.notes = settings.grid(system.experiment)
         self._interval = settings.interval(grid.step)
         plan = make_plan(system, settings.record, isolated=settings.isolate)
@@ -92,6 +90,10 @@ class Execution:
 
     def prepare(self) -> None:
         """Load the instances and give them their start values; own the folder from here on."""
+        with departing(self._last_words):
+            self._prepare()
+
+    def _prepare(self) -> None:
         c = self.context
         if c.settings.out is not None:
             self._open.enter_context(owned(c.settings.out))
@@ -104,8 +106,9 @@ class Execution:
         if self._interval:
             refuse_without_state(c.slaves)
         for slave, values in zip(c.slaves, c.plan.values, strict=True):
-            for variable, value in values:
-                slave.set_value(variable, value)
+            with slave.watched():
+                for variable, value in values:
+                    slave.set_value(variable, value)
 
     @property
     def isolated(self) -> list[str]:
@@ -115,27 +118,60 @@ class Execution:
 
     def initialise(self) -> None:
         """Bring all values at the start into agreement, and have the master ready to step."""
+        with departing(self._last_words):
+            self._initialise()
+
+    def _initialise(self) -> None:
         c = self.context
         if not c.slaves:
-            self.prepare()
+            self._prepare()
+        self._watch = Watch(c.slaves)
         for slave in c.slaves:
-            slave.start(c.grid.start, c.grid.stop)
+            with slave.watched():
+                slave.start(c.grid.start, c.grid.stop, c.settings.fmu_tolerance)
         self._texts = Texts(c.plan, c.slaves, c.settings.out)
-        settle(c.plan, c.slaves)
+        self._settle()
         if self._texts.settle():
-            settle(c.plan, c.slaves)
+            self._settle()
         for slave in c.slaves:
-            slave.begin_stepping()
+            with slave.watched():
+                slave.begin_stepping()
         self._texts.settle()
-        self.first_row = settle(c.plan, c.slaves)
+        self._settle(stepping=True)
         c.prepared = c.master.prepare(c.plan, c.slaves)
         self._open.callback(self._free_states)
         self._initialised = True
 
+    def _settle(self, stepping: bool = False) -> None:
+        """Carry values along the connections; an FMU that does more than that is found out."""
+        c = self.context
+        self.first_row = settle(c.plan, c.slaves, stepping)
+        self._watch.look()
+        if self._watch.searching:
+            self._watch.search(lambda: settle(c.plan, c.slaves, stepping))
+
+    def _last_words(self) -> str:
+        """Keep what was computed, and say which FMU ends the program."""
+        c, out = self.context, self.context.settings.out
+        found = callers(c.slaves)
+        names = " or ".join(f"{s.name} ({s.description.label})" for s in found)
+        instance = names or f"one of {', '.join(c.plan.names)}"
+        apart = found[0].name if found else "it"
+        advice = f"apart, in a process of its own, it would end the run alone: isolate {apart}"
+        if self._stepper is None:
+            return f"{instance} ended the program by C's exit() before the first step; {advice}"
+        outcome = str(Outcome(Kind.DEPARTED, self._stepper.now(), instance))
+        self._stepper.flush()
+        for sink in self._recording.sinks:
+            sink.finish({STOPPED: outcome, VERDICT: None})
+        kept = f"; what was computed until then is in {out}" if out is not None else ""
+        return f"{outcome}{kept}; {advice}"
+
     def run(self, progress: Progress | None = None) -> Outcome | None:
         """Step to the end, or to what stops it: why, else None."""
         stepper = self._ready()
-        self.outcome = stepper.run(progress)
+        with departing(self._last_words):
+            self.outcome = stepper.run(progress)
         self._row = stepper.rows_done - 1
         return self.outcome
 
@@ -144,7 +180,8 @@ class Execution:
         stepper = self._ready()
         wanted = min(self._row + count, self.context.grid.steps)
         if self.outcome is None and stepper.rows_done <= wanted:
-            self.outcome = stepper.step(wanted)
+            with departing(self._last_words):
+                self.outcome = stepper.step(wanted)
         self._row = min(wanted, stepper.rows_done - 1)
         return self.outcome is None and self._row < self.context.grid.steps
 
@@ -229,7 +266,7 @@ class Execution:
         self._checkpoints = None
         if self._interval and self._file is not None:
             self._checkpoints = Checkpoints(self._interval, c, recording, self._file, self._texts)
-        self._stepper = stepper = Stepper(c, recording, self._texts, self._checkpoints)
+        self._stepper = stepper = Stepper(c, recording, self._texts, self._watch, self._checkpoints)
         if resumed is not None:
             resumed.restore(c.slaves, c.prepared, recording)
             stepper.resume(resumed.rows)
@@ -247,7 +284,9 @@ class Execution:
         """The record with its first row, and the sinks that it goes to."""
         c = self.context
         settings, grid = c.settings, c.grid
-        constant = np.array([c.slaves[i].get_reals([v])[0] for i, v in c.plan.open_inputs])
+        constant = np.array(
+            [c.slaves[i].inputs([v], c.plan.values[i])[0] for i, v in c.plan.open_inputs]
+        )
         self._attributes = provenance(
             c.plan,
             {
@@ -257,6 +296,7 @@ class Execution:
                 "step": grid.step,
                 "start": grid.start,
                 "every": settings.every,
+                "fmu_tolerance": settings.fmu_tolerance,
             },
             [*self.notes, *c.plan.notes, *c.prepared.notes],
             self.evidence.attributes(),

@@ -22,8 +22,10 @@ SETTLED = 1e-12
 """Relative change of an output between two passes that counts as none."""
 
 
-def settle(plan: Plan, slaves: Sequence[Slave]) -> NDArray[np.float64]:
+def settle(plan: Plan, slaves: Sequence[Slave], stepping: bool = False) -> NDArray[np.float64]:
     """Set every connected input from its source until no output changes; the outputs by column.
+
+    stepping: initialization is over, so that some FMUs take no inputs before a step.
 
     Raises InitializationError naming the variables that do not settle or are not finite.
     """
@@ -36,14 +38,15 @@ def settle(plan: Plan, slaves: Sequence[Slave]) -> NDArray[np.float64]:
     record, row = record_of(rows, rows[:0]), rows[0]
     for i in range(len(slaves)):
         read = read_early(table, i, record, 0, report)
-        _check(slaves, i, "cannot read its outputs", read)
+        _check(slaves, i, report, read)
     for _ in range(PASSES):
         previous = row.copy()
         for i in range(len(slaves)):
-            taken = set_inputs(table, i, inputs, i, record, 0, report)
-            _check(slaves, i, "cannot set its inputs", taken)
+            if not stepping or plan.descriptions[i].reads_any_time:
+                taken = set_inputs(table, i, inputs, i, record, 0, report)
+                _check(slaves, i, report, taken)
             read = read_early(table, i, record, 0, report)
-            _check(slaves, i, "cannot read its outputs", read)
+            _check(slaves, i, report, read)
         row[guessed] = previous[guessed]  # one time around a loop may lead away
         refresh_outputs(table, refresh, record, 0, report)
         finite = np.isfinite(row)
@@ -54,7 +57,7 @@ def settle(plan: Plan, slaves: Sequence[Slave]) -> NDArray[np.float64]:
             )
         if report[1] == LOOP:
             raise InitializationError(f"{loop_failure(plan, report)} at the start")
-        _check(slaves, int(report[2]), "cannot be initialized", report[1] == 0)
+        _check(slaves, int(report[2]), report, report[1] == 0)
         moving = np.abs(row - previous) > tolerance * np.maximum(np.abs(row), np.abs(previous))
         if not moving.any():
             return row
@@ -75,6 +78,9 @@ def loop_failure(plan: Plan, report: NDArray[np.int64]) -> str:
     )
 
 
-def _check(slaves: Sequence[Slave], i: int, failure: str, fine: bool) -> None:
+def _check(slaves: Sequence[Slave], i: int, report: NDArray[np.int64], fine: bool) -> None:
+    """Raise SlaveError with the call that the report names."""
     if not fine:
-        raise SlaveError(f"{slaves[i].name} {failure}{slaves[i].said()}")
+        slave, call, status = slaves[i], int(report[1]), int(report[3])
+        what = f"{slave.name} ({slave.description.label}): {slave.fault(call, status)}"
+        raise SlaveError(f"{what} before the first step{slave.said()}")

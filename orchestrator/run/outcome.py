@@ -16,7 +16,8 @@ class Kind(Enum):
         "{variable} {why}; give a shorter step, another method or a larger tolerance"
     )
     REFUSED = "{instance}: {why} in the step from t = {time:g} s{said}"
-    ASKED = "{instance} asks to end the run in the step from t = {time:g} s{said}"
+    ASKED = "{instance} asks to end the run at t = {time:g} s{said}"
+    DEPARTED = "{instance} ended the program by C's exit() in the step from t = {time:g} s{said}"
     UNWRITTEN = "{why}; stopped at t = {time:g} s"
     INTERRUPTED = "interrupted at t = {time:g} s"
     LEFT = "left at t = {time:g} s"

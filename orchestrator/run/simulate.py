@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ from ..results.run import Run
 from ..results.sink import Sink
 from ..slaves.session import Session
 from ..system.system import System
-from ..trust.findings import Evidence
+from ..trust.findings import Evidence, SelfTest
 from ..trust.probe import Start
 from ..trust.step_limit import step_limit
 from ..trust.tested import self_tests
@@ -28,7 +28,7 @@ ONE_PASS, USUAL = OnePass(), Settings()
 
 
 def simulate(
-    system: System | Path | str,
+    system: System,
     master: Master | str = ONE_PASS,
     settings: Settings = USUAL,
     *,
@@ -42,20 +42,21 @@ def simulate(
 
     simulate(system, Jacobi(order=1), Settings(duration=8.0, step=1e-3))
     simulate(system, duration=8.0, step=1e-3, master="jacobi", order=1)
-    simulate("car.ssp", duration="8 s", record="wheelset_*.force_y")
 
-    system: one, or the path of a file that `read_ssp` reads. given: fields of the settings and of
-    the master, by name, which change those. progress: called with simulated time and wall time of
-    stepping [s]. logger: a `Log`, or a function; called with
+    given: fields of the settings and of the master, by name, which change those. progress: called
+    with simulated time and wall time of stepping [s]. logger: a `Log`, or a function; called with
     what FMUs say. session: keeps the FMUs loaded for the next run, which resets them. sinks: take
     the rows as they are made.
     Raises OrchestratorError for what does not fit before the first step; from then on the run
     always returns, and says in `outcome` why it stopped early.
     """
     master, settings = chosen(master, settings, given)
+    tests = self_tests(system.components) if settings.self_test else {}
+    system = _as_tested(system, tests)
     with Execution(
         system, master, settings, logger=logger, session=session, sinks=sinks
     ) as execution:
+        execution.evidence = Evidence(tests)
         return _carried_out(execution, progress)
 
 
@@ -73,18 +74,27 @@ def resume(
     """
     found: Checkpoint = read_checkpoint(folder)
     settings = replace(found.settings, out=Path(folder), measure=measure)
+    tests = self_tests(found.system.components) if settings.self_test else {}
     with Execution(found.system, found.master, settings, logger=logger, resumed=found) as execution:
+        execution.evidence = Evidence(tests)
         return _carried_out(execution, progress)
+
+
+def _as_tested(system: System, tests: Mapping[str, SelfTest]) -> System:
+    """The system, its FMUs read only when they allow it."""
+    late = {name for name, test in tests.items() if not test.reads_any_time}
+    components = {
+        name: replace(c, reads_any_time=False) if name in late else c
+        for name, c in system.components.items()
+    }
+    return replace(system, components=components) if late else system
 
 
 def _carried_out(execution: Execution, progress: Progress | None) -> Run:
     """The run of an execution, with what is known of the FMUs and of the step around it."""
-    tested = execution.context.settings.self_test
-    if tested:
-        execution.evidence = Evidence(self_tests(execution.context.system.components))
     execution.prepare()
     execution.initialise()
-    if tested:
+    if execution.context.settings.self_test:
         _predict(execution)
     outcome = execution.run(progress)
     message = None if outcome is None else str(outcome)

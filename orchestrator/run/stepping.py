@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..errors import CheckpointError, OrchestratorError, ResultsError, SlaveError
 from ..interrupts import uninterrupted
+from ..masters.loop.crew import Crew
 from ..masters.loop.idle import address_of_idle
 from ..masters.loop.record import Record, record_of
 from ..masters.loop.tables import LOOP, NOT_CONVERGED, NOT_FINITE
@@ -24,12 +25,19 @@ from .context import Context
 from .initial_values import loop_failure
 from .outcome import Kind, Outcome
 from .texts import Texts
+from .watch import Watch
 
 Progress = Callable[[float, float], None]
 """Called with simulated time and wall time of stepping [s]."""
 
 CHUNK = 0.07
 """Wall time [s] between two looks at the progress callback and at Ctrl-C."""
+
+CLOSE = 1e-6
+"""Share of a macro step that makes no difference between two times."""
+
+LOOKS = 8
+"""Chunks that even a short run has, so that what an FMU did is looked for while it runs."""
 
 START = 64
 """Parts that a macro step is divided into while there are no values to extrapolate from."""
@@ -43,14 +51,17 @@ class Stepper:
         context: Context,
         recording: Recording,
         texts: Texts,
+        watch: Watch,
         checkpoints: Checkpoints | None = None,
     ) -> None:
         self._plan, self._slaves, self._grid = context.plan, context.slaves, context.grid
         self._prepared, self._recording = context.prepared, recording
         self._texts, self._checkpoints = texts, checkpoints
         advance = context.prepared.advance
-        self._advance = advance if context.settings.compiled else advance.py_func
+        self._plain: Callable[..., None] = advance.py_func
+        self._advance = advance if context.settings.compiled else self._plain
         self._report = np.array([1, 0, 0, 0], np.int64)
+        self._watch = watch
         self._chunk(0, 0)  # compiles, or loads what was compiled before
         self.wall = 0.0
 
@@ -95,6 +106,7 @@ class Stepper:
         except (ResultsError, CheckpointError, SlaveError) as error:
             return self._unwritten(error)
         finally:
+            self._watch.look()
             self.wall = before + time.perf_counter() - begin
 
     def _to(self, end: int, progress: Progress | None) -> Outcome | None:
@@ -108,6 +120,7 @@ class Stepper:
             return self._reason()
         while done < end:
             chunk_begin = time.perf_counter()
+            size = 1 if self._watch.disturbed else size
             last = min(done + size, self._recording.last, end)
             if checkpoints is not None:
                 last = min(last, (done // checkpoints.interval + 1) * checkpoints.interval)
@@ -124,7 +137,7 @@ class Stepper:
             if progress is not None:
                 progress(self._grid.time(done), self.wall)
             if not texts.watched:
-                size = max(1, int(count * min(CHUNK / spent, 16.0)))
+                size = max(1, min(int(count * min(CHUNK / spent, 16.0)), end // LOOKS))
         return None
 
     def _begin(self) -> int:
@@ -169,7 +182,7 @@ class Stepper:
         """What the FMUs logged, once each."""
         said = [f"{slave.name} says: {text}" for slave in self._slaves for text in slave.messages]
         rounded = [f"{slave.name}.{remark}" for slave in self._slaves for remark in slave.remarks()]
-        return list(dict.fromkeys([*said, *rounded]))
+        return list(dict.fromkeys([*said, *rounded, *self._watch.notes()]))
 
     def share_inside(self) -> float:
         """Share of the stepping time inside the FMUs.
@@ -192,7 +205,14 @@ class Stepper:
         return 1.0 - min(spent) / steps / (self.wall / max(self.rows_done - 1, 1))
 
     def _chunk(self, first: int, last: int) -> int:
-        self._call(first, last, self._grid.step, self._recording.in_memory, self._report)
+        given = (first, last, self._grid.step, self._recording.in_memory, self._report)
+        if self._watch.searching and last > first:
+            compiled, self._advance = self._advance, self._plain
+            self._watch.search(lambda: self._call(*given))
+            self._advance = compiled
+        else:
+            self._call(*given)
+        self._watch.look(often=last == first + 1)
         return last
 
     def _call(
@@ -237,10 +257,27 @@ class Stepper:
         slave = self._slaves[number]
         if slave.interrupt is not None:
             return self._interrupted()
-        kind, why = Kind.ASKED, ""
-        if not slave.has_ended():
-            kind, why = Kind.REFUSED, slave.fault(call, status)
-        return Outcome(kind, self.now(), slave.name, why=why, said=slave.said())
+        ended = slave.ended_at()
+        if ended is not None:
+            self._complete(number, ended)
+            return Outcome(Kind.ASKED, ended, slave.name, said=slave.said())
+        why = slave.fault(call, status)
+        return Outcome(Kind.REFUSED, self.now(), slave.name, why=why, said=slave.said())
+
+    def _complete(self, number: int, time: float) -> None:
+        """Complete the row at whose time [s] a slave ended the run, as far as its loop can."""
+        k, crew = self.rows_done - 1, self._prepared.tables[-1]
+        end, step = self._time(k + 1), self._grid.step
+        if not isinstance(crew, Crew) or crew.size > 1 or abs(time - end) > CLOSE * step:
+            return
+        stepped = crew.slave[: 1 + crew.slave.tolist().index(number)]
+        table = self._prepared.tables[0]
+        do_step = table.do_step.copy()
+        do_step[stepped] = address_of_idle()
+        tables = (table._replace(do_step=do_step), *self._prepared.tables[1:])
+        report = np.array([k + 1, 0, 0, 0], np.int64)
+        self._call(k, k + 1, step, self._recording.in_memory, report, tables)
+        self._report[0] = report[0]
 
     def _unconverged(self, group: int, unknown: int) -> Outcome:
         solved = self._prepared.solved

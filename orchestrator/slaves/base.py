@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from enum import IntEnum
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,30 +16,26 @@ from ..fmu.description import Description, Variable
 from ..system.system import Value
 from .abi import DIRECTIONAL, FUNCTIONS, GET_REAL, NAMES, SET_REAL, Addresses
 from .listener import Listener
+from .status import Status, fine, returned
+from .surroundings import kept
 
 if TYPE_CHECKING:
     from .adapted.lanes import Lanes
 
 
-class Status(IntEnum):
-    """What an FMI function returns; from DISCARD on the run cannot go on."""
-
-    OK = 0
-    WARNING = 1
-    DISCARD = 2
-    ERROR = 3
-    FATAL = 4
-    PENDING = 5
-
-
 class Slave(ABC):
-    """One instance of an FMU. `messages` keeps what it logged."""
+    """One instance of an FMU. `messages` keeps what it logged.
+
+    disturbed: what it changed of the program's surroundings, in words, each once.
+    """
 
     addresses: Addresses
     lanes: Lanes | None = None
     """What its adaptors work with, if it is called through such."""
     distrusted = False
     """Whether its saved states were found not to hold everything."""
+    reads_inputs = True
+    """Whether inputs can be read back, as far as was tried."""
     in_python = False
     """Whether its functions are Python's, which one thread alone may call."""
     interrupt: BaseException | None = None
@@ -50,7 +47,13 @@ class Slave(ABC):
         self.name = name
         self.description = description
         self.messages: list[str] = []
+        self.disturbed: dict[str, None] = {}
         self._listener = listener
+
+    @property
+    def library(self) -> Path | None:
+        """Its library's file, if that is loaded into this process."""
+        return None
 
     def ready(self) -> None:
         """Wait until it is loaded; raises SlaveError."""
@@ -61,8 +64,11 @@ class Slave(ABC):
         """Give a variable its start value, before `start`; raises SlaveError."""
 
     @abstractmethod
-    def start(self, time: float, stop: float) -> None:
-        """Enter initialization [s]; raises SlaveError."""
+    def start(self, time: float, stop: float, tolerance: float | None = None) -> None:
+        """Enter initialization [s]; raises SlaveError.
+
+        tolerance: relative, of what the FMU solves; None leaves it to its default experiment.
+        """
 
     @abstractmethod
     def begin_stepping(self) -> None:
@@ -85,6 +91,24 @@ class Slave(ABC):
         values = np.empty(len(variables))
         self._reals(GET_REAL, variables, values, "cannot read")
         return values
+
+    def inputs(
+        self, variables: Sequence[Variable], given: Sequence[tuple[Variable, Value]] = ()
+    ) -> NDArray[np.float64]:
+        """Inputs that nothing has set since the start; raises SlaveError.
+
+        given: values at the start. Those, or else what the description says, is taken of inputs
+        that cannot be read.
+        """
+        try:
+            return self.get_reals(variables)
+        except SlaveError:
+            found = {v.name: value for v, value in given}
+            values = [found.get(v.name, v.start) for v in variables]
+            if None in values:
+                raise
+            self.reads_inputs = False
+            return np.array([_number(value) for value in values])
 
     def directional(
         self, unknowns: Sequence[Variable], known: Variable
@@ -113,17 +137,23 @@ class Slave(ABC):
         """What an adaptor refused; empty if it did not."""
         return self.lanes.complaint() if self.lanes else ""
 
+    @contextmanager
+    def watched(self) -> Iterator[None]:
+        """While it has the word alone: what it changes around it is put back and remembered."""
+        with kept(lambda changed: self.disturbed.update(dict.fromkeys(changed))):
+            yield
+
     def remarks(self) -> list[str]:
         """What was not exact."""
         return self.lanes.remarks() if self.lanes else []
 
-    def has_ended(self) -> bool:
-        """Whether the FMU asked to end the run."""
-        return self.lanes is not None and self.lanes.ended
+    def ended_at(self) -> float | None:
+        """When the FMU asked to end the run [s]; None if it did not."""
+        return self.lanes.ended if self.lanes else None
 
     def fault(self, function: int, status: int) -> str:
         """How a call of a function failed, by the function's number in `abi`."""
-        return f"{self.called(function)} returned {Status(status).name.lower()}"
+        return f"{self.called(function)} {returned(status)}"
 
     @property
     def rolls_back(self) -> bool:
@@ -149,11 +179,11 @@ class Slave(ABC):
         raise NotImplementedError
 
     def get_texts(self, variables: Sequence[Variable]) -> list[str]:
-        """Read variables of type String; raises SlaveError."""
+        """Read texts; raises SlaveError."""
         raise NotImplementedError
 
     def set_texts(self, variables: Sequence[Variable], texts: Sequence[str]) -> None:
-        """Set inputs of type String; raises SlaveError."""
+        """Set inputs that take texts; raises SlaveError."""
         raise NotImplementedError
 
     def called(self, function: int) -> str:
@@ -186,6 +216,13 @@ class Slave(ABC):
             return
         references = np.array([v.reference for v in variables], np.uint32)
         status = self.call(function, references.ctypes.data, len(variables), values.ctypes.data)
-        if status > Status.WARNING:
+        if not fine(status):
             names = ", ".join(v.name for v in variables)
-            raise SlaveError(f"{self.name}: {verb} {names}{self.said()}")
+            raise SlaveError(
+                f"{self.name}: {verb} {names}: {self.fault(function, status)}{self.said()}"
+            )
+
+
+def _number(value: Any) -> float:
+    """A start value as a double."""
+    return float({"true": 1.0, "false": 0.0}.get(str(value).lower(), value))

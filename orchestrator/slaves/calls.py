@@ -14,8 +14,9 @@ from typing import Any
 from llvmlite import ir
 from numba import int32, types
 from numba.core import cgutils
-from numba.extending import intrinsic, overload
+from numba.extending import intrinsic, overload, register_jitable
 
+from . import status
 from .abi import FUNCTIONS
 
 
@@ -35,10 +36,16 @@ def _typed_call(typing_context: Any, function: Any, arguments: Any) -> Any:
 call: Any = intrinsic(_typed_call)
 """In compiled code alone: call(address, arguments)."""
 
+fine, worse = register_jitable(status.fine), register_jitable(status.worse)
+
 
 @lru_cache(maxsize=1024)
 def _python(name: str, address: int) -> Any:
     return FUNCTIONS[name].c(address)
+
+
+heard: list[Callable[[int], None]] = []
+"""In Python alone: the one that is told of an instance's address after each call of it, or none."""
 
 
 def _caller(name: str) -> Callable[..., int]:
@@ -47,7 +54,10 @@ def _caller(name: str) -> Callable[..., int]:
 
     def python(address: int, *arguments: Any) -> int:
         function = _python(name, int(address))
-        return function(*(kind(n) for kind, n in zip(kinds, arguments, strict=True)))
+        status = function(*(kind(n) for kind, n in zip(kinds, arguments, strict=True)))
+        if heard:
+            heard[0](int(arguments[0]))
+        return status
 
     @overload(python)
     def compiled(address, *arguments):
@@ -66,7 +76,10 @@ state = _caller("get_state")
 
 def do_step(address: int, instance: int, time: float, step: float) -> int:
     """fmi2DoStep, never to be undone."""
-    return _python("do_step", int(address))(int(instance), time, step, 1)
+    status = _python("do_step", int(address))(int(instance), time, step, 1)
+    if heard:
+        heard[0](int(instance))
+    return status
 
 
 # numba compares the names and annotations of this with those of what it returns: none here.

@@ -27,7 +27,8 @@ from platformdirs import user_cache_path
 from .abi import FUNCTIONS, Addresses
 
 PACKAGE = __name__.partition(".")[0]
-_COMPILES = re.compile(r"^(from|import) numba", re.M)
+_COMPILES = re.compile(r"^(from |import |)numba\b", re.M)
+"""What a module with compiled code says: that it imports numba, or a line that begins with it."""
 
 
 class CFunction:

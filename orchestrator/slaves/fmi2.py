@@ -61,20 +61,25 @@ class Fmi2Slave(FmuSlave):
             # Some FMUs are silent about failures unless logging is on; only these are asked for.
             failures = description.failure_categories
             self._fmu.instantiate(callbacks=callbacks, loggingOn=bool(failures))
-            if failures:
-                self._fmu.setDebugLogging(True, failures)
         except Exception:
             raise SlaveError(
                 f"{name}: {description.label} cannot be instantiated{self.said()}"
             ) from None
+        self._check_statuses()
+        if failures:
+            self.debug(failures)
         self.addresses = self._bind(lanes)
 
     def set_value(self, variable: Variable, value: Value) -> None:
         self._set(variable, value)
 
-    def start(self, time: float, stop: float) -> None:
+    def start(self, time: float, stop: float, tolerance: float | None = None) -> None:
         self._call(
-            "refused the experiment", self._fmu.setupExperiment, startTime=time, stopTime=stop
+            "refused the experiment",
+            self._fmu.setupExperiment,
+            tolerance=tolerance or self.description.tolerance,
+            startTime=time,
+            stopTime=stop,
         )
         self._call("cannot be initialized", self._fmu.enterInitializationMode)
 
@@ -90,12 +95,22 @@ class Fmi2Slave(FmuSlave):
                 self._fmu.terminate()
             self._fmu.reset()
             if self.description.failure_categories:
-                self._fmu.setDebugLogging(True, self.description.failure_categories)
+                self.debug(self.description.failure_categories)
         except Exception:  # fmpy raises plain exceptions
             return False
         self._stepping = False
         self.messages.clear()
         return True
+
+    def ended_at(self) -> float | None:
+        if not self._stepping:
+            return None
+        try:
+            if self._fmu.getBooleanStatus(fmi2.fmi2Terminated):
+                return float(self._fmu.getRealStatus(fmi2.fmi2LastSuccessfulTime))
+        except Exception:  # it has nothing to say of it
+            pass
+        return None
 
     def _serialized(self) -> bytes:
         held = self._call("cannot save its state", self._fmu.getFMUstate)

@@ -14,12 +14,10 @@ from ..fmu.description import Description, Variable
 from ..system.system import Value
 from .fmu import FmuSlave, own_value
 from .listener import Listener
+from .status import fine, returned
 
 if TYPE_CHECKING:
     from .adapted.lanes import Lanes
-
-ITERATIONS = 100
-"""Event iterations after which an FMU that still asks for more is given up."""
 
 
 class Fmi3Slave(FmuSlave):
@@ -55,6 +53,7 @@ class Fmi3Slave(FmuSlave):
         self._instantiate(f"{folder / 'resources'}{os.sep}")
         if not self._fmu.component:
             raise SlaveError(f"{name}: {description.label} cannot be instantiated{self.said()}")
+        self._check_statuses()
         self.addresses = self._bind(lanes)
 
     def _instantiate(self, resources: str) -> None:
@@ -86,6 +85,8 @@ class Fmi3Slave(FmuSlave):
 
     def set_value(self, variable: Variable, value: Value) -> None:
         lane = variable.lane
+        if variable.held and variable.coupled:
+            self.lanes.hold(variable, float(own_value(variable, value)))  # type: ignore[arg-type]
         if lane is not None and lane.size > 1:  # only whole arrays can be set: see `start`
             key = (variable.type, variable.value_reference)
             self._given.setdefault(key, {})[lane.element] = own_value(variable, value)
@@ -99,15 +100,17 @@ class Fmi3Slave(FmuSlave):
             what = f"cannot be configured with {variable.name} = {value}{unit}"
             self._call(what, self._fmu.exitConfigurationMode)
 
-    def start(self, time: float, stop: float) -> None:
+    def start(self, time: float, stop: float, tolerance: float | None = None) -> None:
         self._set_arrays()
+        self._begin = time
         self._call(
             "cannot be initialized",
             self._fmu.enterInitializationMode,
+            tolerance=tolerance or self.description.tolerance,
             startTime=time,
             stopTime=stop,
         )
-        inputs = {(v.type, v.value_reference): v for v in self.description.inputs}
+        inputs = {(v.type, v.value_reference): v for v in self.description.inputs if not v.held}
         for key, store in self.lanes.arrays().items():
             if key in inputs:  # of which an element may stay at its start
                 values = self._call(
@@ -122,9 +125,31 @@ class Fmi3Slave(FmuSlave):
         self._call("cannot be initialized", self._fmu.exitInitializationMode)
         self._stepping = True
         if self.description.has_events:
-            self._call("cannot leave event mode", self._iterate)
-            self._call("cannot enter step mode", self._fmu.enterStepMode)
-        self.lanes.begin_stepping()
+            self._ask_intervals()
+        status = self.lanes.begin_stepping(self._begin)
+        if self.lanes.ended is not None:
+            raise SlaveError(f"{self.name} asks to end the run at its start{self.said()}")
+        if not fine(status):
+            raise SlaveError(
+                f"{self.name} ({self.description.label}) cannot leave event mode at its start: "
+                f"it {returned(status)}{self.said()}"
+            )
+
+    def _ask_intervals(self) -> None:
+        """Ask for the intervals of clocks that the description does not give."""
+        for number, clock in enumerate(self.description.clocks):
+            own = clock.triggered or clock.variability == "countdown"
+            if own or clock.interval is not None:
+                continue
+            what = f"does not say how often its clock {clock.name} ticks"
+            place = (fmi3.fmi3ValueReference * 1)(clock.reference)
+            interval, shift = (fmi3.fmi3Float64 * 1)(), (fmi3.fmi3Float64 * 1)()
+            qualifier = (fmi3.fmi3IntervalQualifier * 1)()
+            self._call(what, self._fmu.getIntervalDecimal, place, interval, qualifier)
+            self._call(what, self._fmu.getShiftDecimal, place, shift)
+            if not interval[0] > 0.0:
+                raise SlaveError(f"{self.name} ({self.description.label}) {what}")
+            self.lanes.set_interval(number, interval[0], shift[0])
 
     def free_state(self, handle: int) -> None:
         if handle:
@@ -173,15 +198,6 @@ class Fmi3Slave(FmuSlave):
             return start in ("true", "1")
         number = float(start) if variable.kind == "real" else int(start)
         return own_value(variable, number)
-
-    def _iterate(self) -> None:
-        for _ in range(ITERATIONS):
-            again, ended, *_ = self._fmu.updateDiscreteStates()
-            if ended:
-                raise SlaveError("it asks to end the run at its start")
-            if not again:
-                return
-        raise SlaveError(f"its event iteration does not end within {ITERATIONS} updates")
 
     def _heard(self, _: int, status: int, category: bytes, message: bytes) -> None:
         self.heard(status, (message or b"").decode(errors="replace").strip())

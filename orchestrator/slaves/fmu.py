@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ctypes
+import os
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import SlaveError
@@ -12,6 +14,7 @@ from ..fmu.types import TYPES
 from ..system.system import Value
 from .abi import FUNCTIONS, Addresses
 from .base import Slave
+from .status import Status, checked
 
 if TYPE_CHECKING:
     from .adapted.lanes import Lanes
@@ -23,6 +26,10 @@ class FmuSlave(Slave):
     _fmu: Any
     _stepping = False
 
+    @property
+    def library(self) -> Path | None:
+        return Path(os.path.realpath(self._fmu.dll._name))
+
     def close(self) -> None:
         try:
             if self._stepping:
@@ -30,6 +37,12 @@ class FmuSlave(Slave):
         except Exception:  # an instance that failed may refuse; it is freed all the same
             pass
         self._fmu.freeInstance()
+
+    def _check_statuses(self) -> None:
+        """Have every function that returns a status raise StatusError for one that is not fine."""
+        for function in self._fmu._functions.values():
+            if function.restype is ctypes.c_int:
+                function.errcheck = checked
 
     def _bind(self, lanes: Lanes | None) -> Addresses:
         """What masters call: the FMU's own functions, or adaptors that go through lanes to them."""
@@ -48,7 +61,7 @@ class FmuSlave(Slave):
         what = f"refused {variable.name} = {value}{unit}"
         self._call(
             what, self._accessor("set", variable), [variable.value_reference],
-            [own_value(variable, value)],
+            [_bytes(value) if variable.kind == "binary" else own_value(variable, value)],
         )  # fmt: skip
 
     def _accessor(self, verb: str, variable: Variable) -> Callable[..., Any]:
@@ -57,8 +70,12 @@ class FmuSlave(Slave):
         return getattr(self._fmu, f"{verb}{name}")
 
     def debug(self, categories: Sequence[str]) -> None:
-        what = f"refused the log categories {', '.join(categories) or '(all)'}"
-        self._call(what, self._fmu.setDebugLogging, True, list(categories))
+        """Choose what is logged; an FMU that refuses it runs all the same, and this is heard."""
+        try:
+            self._fmu.setDebugLogging(True, list(categories))
+        except Exception as error:  # fmpy raises plain exceptions
+            chosen = ", ".join(categories) or "(all)"
+            self.heard(Status.WARNING, f"it refused the log categories {chosen}: {error}")
 
     def free_state(self, handle: int) -> None:
         if handle:
@@ -81,15 +98,26 @@ class FmuSlave(Slave):
         raise NotImplementedError
 
     def get_texts(self, variables: Sequence[Variable]) -> list[str]:
-        names = ", ".join(v.name for v in variables)
-        references = [v.value_reference for v in variables]
-        found = self._call(f"cannot read {names}", self._fmu.getString, references)
-        return [t.decode(errors="replace") if isinstance(t, bytes) else t for t in found]
+        found: dict[str, str] = {}
+        for kind in ("string", "binary"):
+            own = [v for v in variables if v.kind == kind]
+            if not own:
+                continue
+            what = f"cannot read {', '.join(v.name for v in own)}"
+            references = [v.value_reference for v in own]
+            read = self._call(what, self._accessor("get", own[0]), references)
+            found |= {v.name: _text(kind, value) for v, value in zip(own, read, strict=True)}
+        return [found[v.name] for v in variables]
 
     def set_texts(self, variables: Sequence[Variable], texts: Sequence[str]) -> None:
-        given = " ".join(f"{v.name} = '{t}'" for v, t in zip(variables, texts, strict=True))
-        references = [v.value_reference for v in variables]
-        self._call(f"refused {given}", self._fmu.setString, references, texts)
+        for kind in ("string", "binary"):
+            own = [(v, t) for v, t in zip(variables, texts, strict=True) if v.kind == kind]
+            if not own:
+                continue
+            given = " ".join(f"{v.name} = '{t}'" for v, t in own)
+            values = [_bytes(t) if kind == "binary" else t for _, t in own]
+            references = [v.value_reference for v, _ in own]
+            self._call(f"refused {given}", self._accessor("set", own[0][0]), references, values)
 
     def _call(self, failure: str, function: Callable[..., Any], *given: Any, **named: Any) -> Any:
         try:
@@ -102,6 +130,18 @@ class FmuSlave(Slave):
 def address_of(library: ctypes.CDLL, function: str) -> int:
     """Address of a function of a loaded library; 0 if it has none of this name."""
     return ctypes.cast(getattr(library, function, 0), ctypes.c_void_p).value or 0
+
+
+def _bytes(value: Value) -> bytes:
+    """What a text of hexadecimal digits stands for."""
+    return bytes.fromhex(str(value))
+
+
+def _text(kind: str, value: Any) -> str:
+    """What was read, as a text."""
+    if kind == "binary":
+        return (value or b"").hex()
+    return value.decode(errors="replace") if isinstance(value, bytes) else str(value)
 
 
 def own_value(variable: Variable, value: Value) -> Value:

@@ -10,7 +10,8 @@ from typing import Any
 from ..fmu.description import Description, Tangent, Variable
 from ..system.system import Value
 from .abi import FUNCTIONS, Addresses
-from .base import Slave, Status
+from .base import Slave
+from .status import Status
 
 Signals = Mapping[str, float]
 
@@ -112,7 +113,7 @@ class InlineSlave(Slave):
         place = self._u if variable.name in self._u else self._p
         place[variable.name] = float(str(value))
 
-    def start(self, time: float, stop: float) -> None:
+    def start(self, time: float, stop: float, tolerance: float | None = None) -> None:
         self._x = self._model.initial(self._p)
 
     def begin_stepping(self) -> None:

@@ -25,7 +25,7 @@ class ProfileSlave(InlineSlave):
         self.description = profile.description
         self._profile = profile
 
-    def start(self, time: float, stop: float) -> None:
+    def start(self, time: float, stop: float, tolerance: float | None = None) -> None:
         self._profile.check_span(self.name, time, stop)
         self._x = time
 

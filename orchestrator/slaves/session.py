@@ -13,10 +13,23 @@ from ..plan.plan import Plan
 from ..system.profile import Profile
 from ..system.system import System
 from .base import Slave
+from .departure import departing
 from .isolated.slave import IsolatedSlave
 from .listener import Listener
 from .loading import load, unzip
 from .profile import ProfileSlave
+from .surroundings import kept
+
+GONE = "ended the program by C's exit() while it was loaded"
+
+
+def _loaded(name: str, description: Description, folder: Path, listener: Listener | None) -> Slave:
+    """An instance in this process, which finds its surroundings as they were."""
+    changed: list[str] = []
+    with kept(changed.extend), departing(lambda: f"{name} ({description.label}) {GONE}"):
+        slave = load(name, description, folder, listener)
+    slave.disturbed.update(dict.fromkeys(changed))
+    return slave
 
 
 class Session:
@@ -78,7 +91,7 @@ class Session:
                 slave = IsolatedSlave(name, description, folder, listener, timeout)
             else:
                 folder = self._unzip(component.fmu, description)
-                slave = load(name, description, folder, listener)
+                slave = _loaded(name, description, folder, listener)
             stack.callback(self._release, slave)
             slaves.append(slave)
         for slave in slaves:

@@ -14,10 +14,13 @@ from typing import Any
 
 from ..masters.base import all_masters
 
-VERSION = 1
+VERSION = 2
 """Of the checks: results of another version are not used."""
 
-CHECKS = ("units", "determinism", "rollback", "serialisation", "dependencies", "derivatives")
+CHECKS = (
+    "start", "units", "surroundings", "determinism", "rollback", "serialisation", "reading",
+    "dependencies", "derivatives",
+)  # fmt: skip
 """What an FMU is tested for."""
 
 MARGIN = 0.5
@@ -29,11 +32,15 @@ FAR = 16.0
 
 @dataclass(frozen=True)
 class Finding:
-    """What a check found, in words. wrong: an error in the FMU, and no mere remark."""
+    """What a check found, in words.
+
+    wrong: an error in the FMU, and no mere remark. tested: False where the check could not be done.
+    """
 
     check: str
     text: str
     wrong: bool = True
+    tested: bool = True
 
 
 @dataclass(frozen=True)
@@ -47,6 +54,16 @@ class SelfTest:
     @property
     def errors(self) -> list[Finding]:
         return [f for f in self.findings if f.wrong]
+
+    @property
+    def untested(self) -> list[Finding]:
+        """Why checks could not be done."""
+        return [f for f in self.findings if not f.tested]
+
+    @property
+    def reads_any_time(self) -> bool:
+        """Whether outputs may be read after inputs were set, without a step between."""
+        return not any(f.check == "reading" and f.tested for f in self.findings)
 
     def failed(self, check: str) -> bool:
         """Whether a check found an error."""
@@ -156,7 +173,7 @@ class Evidence:
         limit = self.limit
         return {
             "self_test": {
-                name: [finding.text for finding in test.errors] or "passed"
+                name: [f.text for f in [*test.errors, *test.untested]] or "passed"
                 for name, test in self.tests.items()
             }
             or None,

@@ -13,8 +13,9 @@ from ..errors import SlaveError
 from ..fmu.description import Variable
 from ..plan.plan import Plan, make_plan
 from ..slaves.abi import DIRECTIONAL, DO_STEP, GET_STATE, SET_STATE
-from ..slaves.base import Slave, Status
+from ..slaves.base import Slave
 from ..slaves.session import Session
+from ..slaves.status import fine
 from ..system.system import Component, System
 
 Array = NDArray[np.float64]
@@ -77,18 +78,25 @@ class Probe:
             self._system, self._plan, self._open, None, self._isolate, TIMEOUT
         )[0]
         self._slave = slave
+        with slave.watched():
+            self._begin(slave)
+        self.time = self._start
+        start = {v.name: (v, value) for v, value in self._plan.values[0]}
+        start |= {v.name: (v, self._given[v.name]) for v in self.inputs if v.name in self._given}
+        self.at_start = self.now = slave.inputs(self.inputs, [*start.values()])
+
+    def _begin(self, slave: Slave) -> None:
         for variable, value in self._plan.values[0]:
             slave.set_value(variable, value)
         slave.start(self._start, self._start + SPAN)
         found = [v for v in self.inputs if v.name in self._given]
         slave.set_reals(found, np.array([self._given[v.name] for v in found]))
         slave.begin_stepping()
-        self.time = self._start
-        self.at_start = slave.get_reals(self.inputs)
 
     def set(self, values: Array) -> None:
-        """Set all inputs."""
-        self.slave.set_reals(self.inputs, np.ascontiguousarray(values))
+        """Set all inputs; `now` are those that were set last."""
+        self.now = np.array(values)
+        self.slave.set_reals(self.inputs, self.now)
 
     def get(self) -> Array:
         """Read all outputs."""
@@ -116,7 +124,9 @@ class Probe:
         return result
 
     def _check(self, function: int, status: int) -> None:
-        if status > Status.WARNING:
+        if self.slave.ended_at() is not None:
+            raise SlaveError(f"it asks to end the run{self.slave.said()}")
+        if not fine(status):
             raise SlaveError(f"{self.slave.fault(function, status)}{self.slave.said()}")
 
     def _close(self) -> None:

@@ -16,6 +16,7 @@ from ..fmu.description import Variable
 from ..fmu.read import open_fmu
 from ..fmu.units import scale_of
 from ..slaves.session import Session
+from ..slaves.surroundings import kept
 from ..system.system import Component
 from .findings import CHECKS, Finding, SelfTest
 from .probe import Array, Probe
@@ -49,7 +50,7 @@ def self_test(component: Component, step: float | None = None) -> SelfTest:
     passed: list[str] = []
     label = ""
     for name in CHECKS:
-        with ExitStack() as stack:
+        with ExitStack() as stack, kept(lambda changed: None):
             session = stack.enter_context(Session())
 
             def opened(stack: ExitStack = stack, session: Session = session) -> Probe:
@@ -58,11 +59,15 @@ def self_test(component: Component, step: float | None = None) -> SelfTest:
             try:
                 probe = opened()
                 label = probe.description.label
-                if not _offers(probe, name):
+                if not _offers(probe, name, findings):
                     continue
                 found = [Finding(name, *said) for said in _CHECKS[name](probe, opened, size)]
             except OrchestratorError as error:
-                found = [Finding(name, f"could not be tested: {error}", wrong=False)]
+                if name == "start":  # nothing else can be tested
+                    label = component.file.name if component.file else label
+                    return SelfTest(label, (), (Finding(name, str(error)),))
+                told = f"could not be tested: {error}"
+                found = [Finding(name, told, wrong=False, tested=False)]
             else:
                 if not any(f.wrong for f in found):
                     passed.append(name)
@@ -72,6 +77,33 @@ def self_test(component: Component, step: float | None = None) -> SelfTest:
 
 Said = tuple[str, bool]
 """A finding without the name of its check."""
+
+
+def _start(_: Probe, __: Open, ___: float) -> Iterator[Said]:
+    """It can be loaded and initialized: what is checked was done before."""
+    yield from ()
+
+
+def _surroundings(probe: Probe, _: Open, size: float) -> Iterator[Said]:
+    """The program around it is left as it was."""
+    with probe.slave.watched():
+        _driven(probe, 0, STEPS, size)
+    if changed := probe.slave.disturbed:
+        yield f"it changes {', '.join(changed)} for the whole program", True
+
+
+def _reading(probe: Probe, _: Open, size: float) -> Iterator[Said]:
+    """Outputs can be read at any time."""
+    _driven(probe, 0, STEPS, size)
+    probe.set(_wave(probe, STEPS))
+    try:
+        probe.get()
+    except OrchestratorError as error:
+        yield (
+            f"outputs cannot be read after inputs were set without a step between ({error}); in a "
+            "run they are those of the last step",
+            False,
+        )
 
 
 def _units(probe: Probe, _: Open, __: float) -> Iterator[Said]:
@@ -158,7 +190,7 @@ def _dependencies(probe: Probe, _: Open, size: float) -> Iterator[Said]:
     seen: set[tuple[str, str]] = set()
     undeclared: dict[tuple[str, str], str] = {}
     for _point in _points(probe, size):
-        u, base = probe.slave.get_reals(probe.inputs), probe.get()
+        u, base = probe.now.copy(), probe.get()
         for j, known in enumerate(probe.inputs):
             if known.kind != "real":
                 continue
@@ -195,7 +227,7 @@ def _derivatives(probe: Probe, _: Open, size: float) -> Iterator[Said]:
     """Directional derivatives against central differences."""
     wrong: dict[tuple[str, str], str] = {}
     for point in _points(probe, size):
-        u, base = probe.slave.get_reals(probe.inputs), probe.get()
+        u, base = probe.now.copy(), probe.get()
         for j, known in enumerate(probe.inputs):
             unknowns = [
                 (n, v)
@@ -229,21 +261,28 @@ def _derivatives(probe: Probe, _: Open, size: float) -> Iterator[Said]:
 
 
 _CHECKS: dict[str, Callable[[Probe, Open, float], Iterator[Said]]] = {
+    "start": _start,
     "units": _units,
+    "surroundings": _surroundings,
     "determinism": _determinism,
     "rollback": _rollback,
     "serialisation": _serialisation,
+    "reading": _reading,
     "dependencies": _dependencies,
     "derivatives": _derivatives,
 }
 
 
-def _offers(probe: Probe, check: str) -> bool:
+def _offers(probe: Probe, check: str, findings: list[Finding]) -> bool:
+    """Whether there is something to check, after what was found before."""
     said = probe.description
+    reads = not any(f.check == "reading" for f in findings)
     return {
         "rollback": probe.rolls_back,
         "serialisation": said.serializes_state,
-        "derivatives": said.gives_derivatives,
+        "reading": bool(probe.inputs and probe.outputs),
+        "dependencies": reads,
+        "derivatives": said.gives_derivatives and reads,
     }.get(check, True)
 
 

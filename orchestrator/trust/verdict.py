@@ -135,8 +135,11 @@ def _tests(tests: Mapping[str, SelfTest]) -> list[tuple[Level, str]]:
     for name, test in tests.items():
         if test.errors:
             wrong.setdefault(f"{test.label}: {test.errors[0].text}", []).append(name)
-    if not wrong:
+    untested = [name for name, test in tests.items() if test.untested and not test.errors]
+    if not wrong and not untested:
         return [(Level.GOOD, "the FMUs passed their self-test")]
+    if not wrong:
+        return [(Level.UNKNOWN, f"the self-test could not be done for {', '.join(untested)}")]
     return [
         (Level.DOUBTFUL, f"the self-test failed for {', '.join(names)} ({text})")
         for text, names in wrong.items()

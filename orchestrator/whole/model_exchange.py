@@ -19,13 +19,13 @@ from ..fmu.description import MODEL_EXCHANGE, Description, Variable
 from ..fmu.read import open_fmu
 from ..plan.plan import Plan, make_plan
 from ..run.initial_values import settle
-from ..slaves.abi import FUNCTIONS
-from ..slaves.base import Status
+from ..slaves.abi import DIRECTIONAL, FUNCTIONS
 from ..slaves.fmi2 import Fmi2Slave
 from ..slaves.fmi3 import Fmi3Slave
 from ..slaves.fmu import FmuSlave, address_of
 from ..slaves.listener import Listener
 from ..slaves.loading import lanes_of, unzip
+from ..slaves.status import fine, returned
 from ..system.system import System
 
 Array = NDArray[np.float64]
@@ -112,8 +112,11 @@ class Model(FmuSlave):
     def derivatives(self, unknowns: Sequence[str], known: str) -> Array:
         named = self.description.variables
         status, result = self.directional([named[name] for name in unknowns], named[known])
-        if status > Status.WARNING:
-            raise SlaveError(f"{self.name}: cannot give derivatives by {known}{self.said()}")
+        if not fine(status):
+            raise SlaveError(
+                f"{self.name}: cannot give derivatives by {known}: "
+                f"{self.fault(DIRECTIONAL, status)}{self.said()}"
+            )
         return result
 
     def _refuse_end(self, ended: Any) -> None:
@@ -141,8 +144,9 @@ class Model(FmuSlave):
         count = len(kept) if isinstance(kept, np.ndarray) else len(kept[0])
 
         def bound(keep: Any = kept) -> None:
-            if count and call(*arguments) > Status.WARNING:
-                raise SlaveError(f"{self.name}: {failure}{self.said()}")
+            status = call(*arguments) if count else 0
+            if not fine(status):
+                raise SlaveError(f"{self.name}: {failure}: it {returned(status)}{self.said()}")
 
         return bound
 
@@ -173,7 +177,7 @@ class Fmi3Model(Model, Fmi3Slave):
         )
 
 
-def plan_whole(system: System, record: str | Sequence[str] | None) -> Plan:
+def plan_whole(system: System, record: Sequence[str] | None) -> Plan:
     """The plan of a system whose FMUs are integrated as one.
 
     Raises CouplingError naming the instances that offer no model exchange.

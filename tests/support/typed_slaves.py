@@ -144,3 +144,46 @@ def build_fmi2(folder: Path, text: str | None = None, name: str = "two.fmu") -> 
 def build_fmi3(folder: Path, text: str | None = None, name: str = "three.fmu") -> Path:
     binary = library(folder, source=SLAVES / "fmi3.c")
     return archive(folder / name, text or fmi3_description(), binary, fmpy.platform_tuple)
+
+
+def clocks_description(events: bool = True, interval: str = 'intervalDecimal="0.25"') -> str:
+    """That of `slaves/clocks.c`; interval: what is said of it with the periodic clock."""
+    kind = "constant" if interval else "calculated"
+    discrete = 'variability="discrete"'
+    variables = [
+        '<Float64 name="x" valueReference="1" causality="output"/>',
+        '<Float64 name="event_at" valueReference="2" causality="parameter" variability="fixed" '
+        'start="0"/>',
+        f'<Clock name="tick" valueReference="10" causality="input" intervalVariability="{kind}" '
+        f"{interval}/>",
+        '<Int32 name="count" valueReference="11" causality="output" clocks="10"/>',
+        f'<Float64 name="sampled" valueReference="12" causality="output" clocks="10" {discrete}/>',
+        f'<Float64 name="given" valueReference="13" causality="input" clocks="10" {discrete} '
+        'start="100"/>',
+        '<Clock name="third" valueReference="20" causality="output" '
+        'intervalVariability="triggered"/>',
+        '<Clock name="kick" valueReference="21" causality="input" '
+        'intervalVariability="triggered"/>',
+        '<Int32 name="kicks" valueReference="22" causality="output" clocks="21"/>',
+        '<Clock name="down" valueReference="23" causality="input" '
+        'intervalVariability="countdown"/>',
+        f'<Float64 name="when" valueReference="24" causality="output" clocks="23" {discrete}/>',
+        '<Binary name="blob_in" valueReference="30" causality="input"><Start value=""/></Binary>',
+        '<Binary name="blob_out" valueReference="31" causality="output"/>',
+    ]
+    outputs = "".join(
+        f'<Output valueReference="{n}" dependencies="{d}"/>'
+        for n, d in {1: "", 11: "", 12: "13", 22: "", 24: "", 31: "30", 20: "10"}.items()
+    )
+    return (
+        '<fmiModelDescription fmiVersion="3.0" modelName="Clocks" instantiationToken="clocks">'
+        f'<CoSimulation modelIdentifier="slave" hasEventMode="{str(events).lower()}" '
+        'canHandleVariableCommunicationStepSize="true"/>'
+        f"<ModelVariables>{''.join(variables)}</ModelVariables>"
+        f"<ModelStructure>{outputs}</ModelStructure></fmiModelDescription>"
+    )
+
+
+def build_clocks(folder: Path, text: str | None = None) -> Path:
+    binary = library(folder, "-lm", source=SLAVES / "clocks.c")
+    return archive(folder / "clocks.fmu", text or clocks_description(), binary, fmpy.platform_tuple)

@@ -5,14 +5,9 @@ table = assess(run.dataset)
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pandas as pd
 import xarray as xr
 
-from orchestrator import Run
-
-from ..results import dataset_of
 from .car import Car
 from .criteria import LIMITS, MEASURES
 from .rules import NotApplicableError, Rule, from_si, rules
@@ -21,16 +16,15 @@ PASSED, EXCEEDED, NO_LIMIT = "passed", "exceeded", "no limit"
 NOTHING = {"place": "", "value": float("nan"), "limit": float("nan"), "share": float("nan")}
 
 
-def assess(run: xr.Dataset | Run | Path | str) -> pd.DataFrame:
+def assess(dataset: xr.Dataset) -> pd.DataFrame:
     """What each rule of limits.toml says about a run of the hopper car, indexed by quantity.
 
-    run: it, its dataset, or the folder that it wrote. Columns: place (of the worst value), value,
-    limit, unit, share (of the limit; of wheel loads that of the admissible unloading), result
-    (passed, exceeded, no limit, or not applicable and why), statistic, filter, window, formula,
-    source, verified (whether the limit was read there).
+    Columns: place (of the worst value), value, limit, unit, share (of the limit; of wheel loads
+    that of the admissible unloading), result (passed, exceeded, no limit, or not applicable and
+    why), statistic, filter, window, formula, source, verified (whether the limit was read there).
     """
     try:
-        car: Car | NotApplicableError = Car(dataset_of(run))
+        car: Car | NotApplicableError = Car(dataset)
     except NotApplicableError as reason:
         car = reason
     return pd.DataFrame([_row(car, rule) for rule in rules()]).set_index("quantity")

@@ -58,6 +58,7 @@ run_options = adding(
         _setting(
             "timeout", type=Quantity("timeout", "s", TIMES, "60s"), default="60s", metavar="TIME"
         ),
+        _setting("fmu_tolerance", show_default=False, metavar="NUMBER"),
         click.option(
             "--log",
             type=click.Path(path_type=Path, dir_okay=False),
@@ -101,7 +102,8 @@ class Kept:
 def survival(options: dict[str, Any]) -> dict[str, Any]:
     """Take what options above say out of a command's, as `orchestrator.simulate` has it."""
     taken = {
-        name: options.pop(name) for name in ("record", "every", "memory", "checkpoint", "timeout")
+        name: options.pop(name)
+        for name in ("record", "every", "memory", "checkpoint", "timeout", "fmu_tolerance")
     }
     return {**taken, "record": taken["record"] or None}
 

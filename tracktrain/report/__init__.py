@@ -16,11 +16,10 @@ import xarray as xr
 from jinja2 import Environment, PackageLoader
 from plotly.offline import get_plotlyjs
 
-from orchestrator import Provenance, Run
+from orchestrator import Provenance
 
 from ..assessment import assess
 from ..errors import TracktrainError
-from ..results import dataset_of
 from . import content, motion, series
 from .packing import compressed, packed
 
@@ -29,16 +28,14 @@ SCRIPTS = ("data.js", "scene.js", "player.js", "plots.js", "page.js")
 """In the order in which they need each other."""
 
 
-def write_report(
-    run: xr.Dataset | Run | Path | str, folder: Path | str, bonds: pd.DataFrame | None = None
-) -> Path:
+def write_report(dataset: xr.Dataset, folder: Path, bonds: pd.DataFrame | None = None) -> Path:
     """Write report.html into a folder and return it.
 
-    run: it, its dataset, or the folder that it wrote. bonds: as `tracktrain.results.bond_table`
-    gives it. Raises TracktrainError for a run without two rows.
+    bonds: as `tracktrain.results.bond_table` gives it. Raises TracktrainError for a run without
+    two rows.
     """
-    path = Path(folder) / NAME
-    path.write_text(page(dataset_of(run), bonds), encoding="utf-8")
+    path = folder / NAME
+    path.write_text(page(dataset, bonds), encoding="utf-8")
     return path
 
 

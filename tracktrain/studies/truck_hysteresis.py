@@ -26,7 +26,6 @@ from ..plots import BLUE, GREEN, PURPLE, RED, STYLE, conversion
 from ..scales import INCH, POUND_FORCE
 from ..terminal import Progress, unseen
 from .common.command import study_command
-from .common.given import taking
 from .common.outcome import Outcome
 from .common.rig import FORCES, MOTION, Signals, completed, rig, run_on_rig, under_test
 
@@ -70,7 +69,6 @@ class Cycle:
         return float(np.trapezoid(closed[1], closed[0]))
 
 
-@taking(loads=["kip"], periods=["s"])
 def truck_hysteresis(
     car: str = "loaded",
     wedge_law: str = "constant",

@@ -157,7 +157,12 @@ def lead_tables(
         for numbered in _numbered(groups)
     ]
     finals = [
-        [(lead, n, 0) for lead, n in numbered if lead.second >= 0 or lead.shape == MEAN]
+        [
+            (lead, n, 0)
+            for lead, n in numbered
+            if (lead.second >= 0 or lead.shape == MEAN)
+            and plan.descriptions[lead.link.target].reads_any_time
+        ]
         for numbered in _numbered(groups)
     ]
     return leads, _led(rates), _led(finals)

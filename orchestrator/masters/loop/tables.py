@@ -107,7 +107,7 @@ def early_columns(plan: Plan, used: Collection[int] = ()) -> list[int]:
 @register_jitable(inline="always")
 def goes_on(report: Ints, slave: int, call: int, status: int) -> bool:
     """Whether a call's status lets the run go on; if not, the report says who, where and why."""
-    if status <= 1:
+    if ffi.fine(status):
         return True
     report[1], report[2], report[3] = call, slave, status
     return False

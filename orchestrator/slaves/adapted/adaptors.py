@@ -9,14 +9,17 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from numba import carray, int32
 from numba.extending import register_jitable
 
-from ..calls import call
+from ..calls import call, fine, worse
 from ..compiled import Adaptors, c_function
 from ..memory import F8, U1, U4, pointer
-from .access import DISCARD, ERROR, STUCK, get_lanes, head_of, set_lanes, update_discrete
+from .access import DISCARD, ERROR, get_lanes, head_of
+from .events import CLOSE, STUCK, due, handle_event, next_stop, rest_outputs
 from .records import DIFFERENCE, LANE, VARIABLE
+from .setting import set_lanes
 
 OK = 0
 
@@ -40,36 +43,52 @@ def _move(head, time):
 @register_jitable
 def _advance(head, time, step, no_return):
     """Step an FMI 3.0 instance to the end of the macro step, however often it returns early."""
+    if head.ended:
+        return DISCARD
     flags = head.flags
     said = carray(pointer(flags), 3, U1)
     last = carray(pointer(flags + 8), 1, F8)
     head.start = time
-    now, size, end, stuck = time, step, time + step, 0
+    rest_outputs(head)
+    now, end, stuck = time, time + step, 0
+    stop = next_stop(head, now, end, step)
+    size = step if stop == end else stop - now
     while True:
         last[0] = now
         status = call(
             head.do_step,
             (head.instance, now, size, no_return, flags, flags + 1, flags + 2, flags + 8),
         )
-        if status > 1:
+        if not fine(status):
             return status
         event, terminate, early = said[0] != 0, said[1] != 0, said[2] != 0
-        reached = last[0]
+        reached = last[0] if early else stop
         if terminate:
             head.ended = 1
+            head.ended_at = reached
+        elif head.event_mode:
+            ticks = due(head, now, reached)
+            if event or ticks or head.next_event <= reached + CLOSE * step:
+                head.next_event = np.inf
+                status = call(head.enter_event, (head.instance,))
+                if fine(status):
+                    status = handle_event(head, reached)
+        if head.ended and reached >= end - CLOSE * step:  # the step is whole: the next one is none
+            return OK
+        if head.ended:
             return DISCARD
-        if event and head.event_mode:
-            status = call(head.enter_event, (head.instance,))
-            if status <= 1:
-                status = update_discrete(head)
-            if status > 1:
-                return status
-        if not early or reached >= end - 1e-12 * step:
+        if not fine(status):
+            return status
+        if reached >= end - CLOSE * step:
             break
         stuck = 0 if reached > now else stuck + 1
         if stuck > STUCK:
+            head.stuck = 1
             return ERROR
-        now, size = reached, end - reached
+        now = reached
+        stop = next_stop(head, now, end, step)
+        size = stop - now
+    head.now, head.armed = end, 1
     if head.moving_count > 0:
         status = _move(head, end)
         lanes = carray(pointer(head.lanes), 1, LANE)
@@ -95,7 +114,7 @@ def _look(head, time, newest):
         if d.count > 0 and abs(d.t2 - time) <= 1e-9 * abs(d.t2 - d.t1):
             continue
         place = head.differences + n * DIFFERENCE_SIZE
-        worst = max(worst, get_lanes(head, place + SOURCE_AT, 1, place + VALUE_AT))
+        worst = worse(worst, get_lanes(head, place + SOURCE_AT, 1, place + VALUE_AT))
         d.t0, d.y0, d.t1, d.y1, d.t2, d.y2 = d.t1, d.y1, d.t2, d.y2, time, d.value
         d.count = min(d.count + 1, 3)
         if newest and d.count > 1:
@@ -178,14 +197,14 @@ def do_step(instance, time, step, no_return):
     head = head_of(instance)
     if head.difference_count > 0:
         status = _look(head, time, False)
-        if status > 1:
+        if not fine(status):
             return int32(status)
     if head.version == 2:
         status = call(head.do_step, (head.instance, time, step, no_return))
     else:
         status = _advance(head, time, step, no_return)
-    if head.difference_count > 0 and status <= 1:
-        status = max(status, _look(head, time + step, True))
+    if head.difference_count > 0 and fine(status):
+        status = worse(status, _look(head, time + step, True))
     return int32(status)
 
 
@@ -243,7 +262,17 @@ def set_state(instance, state):
     head = head_of(instance)
     head.went_back = 1
     head.moving_count = 0
+    head.next_event, head.armed = np.inf, 1
     return call(head.set_state, (head.instance, state))
+
+
+@c_function("int32(int64, float64)")
+def begin(instance, time):
+    """Leave the event mode that a run begins in; the status."""
+    head = head_of(instance)
+    head.now, head.next_event, head.armed = time, np.inf, 1
+    due(head, -np.inf, time)
+    return int32(handle_event(head, time))
 
 
 @c_function("void(int64, float64, uint8, uint8, uint8, uint8, int64, int64)")

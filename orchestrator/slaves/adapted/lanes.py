@@ -6,6 +6,7 @@ element of an array, in another unit. The tables are handed to compiled code by 
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -16,8 +17,10 @@ from ...fmu.description import Description, Variable
 from ...fmu.types import TYPES
 from .. import memory
 from ..abi import FUNCTIONS, Addresses
-from .adaptors import adaptors, intermediate_update
-from .records import DIFFERENCE, HEAD, KIND, LANE, VARIABLE
+from .adaptors import adaptors, begin, intermediate_update
+from .clocks import Clocks
+from .events import STUCK
+from .records import DIFFERENCE, DISCRETE, HEAD, HELD, KIND, LANE, PLAIN, TICK, VARIABLE
 
 _OTHERS = ("do_step", "set_rates", "directional", "get_state", "set_state")
 HEAD_FUNCTIONS = {
@@ -27,6 +30,9 @@ HEAD_FUNCTIONS = {
         "enter_event": "fmi3EnterEventMode",
         "update_discrete": "fmi3UpdateDiscreteStates",
         "enter_step": "fmi3EnterStepMode",
+        "set_clock": "fmi3SetClock",
+        "get_clock": "fmi3GetClock",
+        "get_interval": "fmi3GetIntervalDecimal",
     },
 }
 """Fields of the head, and the FMU's functions whose addresses they hold, by version of FMI."""
@@ -48,15 +54,21 @@ class Lanes:
         for v in own:
             if _is_double(v, description):
                 self._references[v.reference] = v.value_reference
+        self._clocks = Clocks(description, self._numbers)
+        self._variable["clock"] = self._clocks.of_variable(len(self._variable))
         self._head = np.zeros(1, HEAD)
         for name, value in self._fields(sum(stored)).items():
             self._head[name] = value
         self.address: int = self._head.ctypes.data
+        for v in own:
+            if v.held and v.start is not None:
+                self.hold(v, float({"true": "1", "false": "0"}.get(v.start, v.start)))
 
     def _number(self, own: Sequence[Variable]) -> list[int]:
         """Number the FMU's variables and lanes; by kind, how many numbers are to be stored."""
         numbers = {kind: n for n, kind in enumerate(self._kinds)}
         variables: dict[tuple[int, int], int] = {}
+        self._numbers: dict[str, int] = {}
         self._lane = np.zeros(len(self._description.variables), LANE)
         self._lane["gain"] = 1.0
         self._lane["variable"] = -1
@@ -68,11 +80,9 @@ class Lanes:
             key = (kind, v.value_reference)
             if key not in variables:
                 variables[key] = len(rows)
-                discrete = v.variability != "continuous" and v.causality == "input"
-                rows.append(
-                    (v.value_reference, kind, v.lane.size, stored[kind], int(discrete), 0, 0)
-                )
+                rows.append((v.value_reference, kind, v.lane.size, stored[kind], _way(v), -1, 0, 0))
                 stored[kind] += v.lane.size
+            self._numbers[v.name] = variables[key]
             self._lane[v.reference] = (
                 variables[key], v.lane.element, v.lane.gain, v.lane.offset, 0.0, 0.0,
             )  # fmt: skip
@@ -83,11 +93,12 @@ class Lanes:
         """Make the stores and buffers of all kinds."""
         self._kind = np.zeros(len(self._kinds), KIND)
         self.stores: list[NDArray[Any]] = []
-        for n, (memory_type, _, _, low, high) in enumerate(self._kinds):
+        for n, (memory_type, getter, _, low, high) in enumerate(self._kinds):
             type_ = np.dtype(memory_type)
             self.stores.append(np.zeros(stored[n], type_))
             self._kind[n]["type"] = memory.TYPES.index(type_)
             self._kind[n]["low"], self._kind[n]["high"] = low, high
+            self._kind[n]["counted"] = int(not getter.startswith(("fmi2", "fmi3GetClock")))
             self._kind[n]["store"] = self.stores[n].ctypes.data
             self._kind[n]["buffer"] = self._room(stored[n], type_)
             self._kind[n]["references"] = self._room(len(self._variable), np.uint32)
@@ -100,7 +111,7 @@ class Lanes:
             row["lane"] = v.reference
             row["source"] = self._description.variables[v.lane.difference_of].reference
 
-    def _fields(self, elements: int) -> dict[str, int]:
+    def _fields(self, elements: int) -> dict[str, float]:
         """Fields of the head, where they are not 0; elements: numbers in all stores."""
         description, count = self._description, len(self._description.variables)
         version = int(description.fmi_version[0])
@@ -114,7 +125,10 @@ class Lanes:
             "request": self._room(count, np.uint32),
             "touched": self._room(len(self._variable), np.int64),
             "event_mode": int(description.has_events),
-            "flags": self._room(2, np.float64),
+            "flags": self._room(6, np.float64),
+            "next_event": np.inf,
+            "variable_step": int(description.variable_step),
+            **self._clocks.fields(),
             "interpolates": int(version == 3 and description.interpolates_inputs),
             "moving": self._room(count, np.uint32),
             "moving_value": self._room(count, np.float64),
@@ -144,9 +158,28 @@ class Lanes:
         """Address of the callback that FMI 3.0 has for times within a step."""
         return intermediate_update.address
 
-    def begin_stepping(self) -> None:
-        """From here on discrete inputs change in event mode, where there is one."""
+    def begin_stepping(self, time: float) -> int:
+        """From here on discrete inputs change in event mode, if there is one: leave it; the status.
+
+        time: at which the run begins [s], and from which clocks tick.
+        """
         self._head["stepping"] = 1
+        if not self._head["event_mode"][0]:
+            return 0
+        self._clocks.begin(time)
+        kind = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_double)
+        return int(kind(begin.address)(self.address, time))
+
+    def set_interval(self, number: int, interval: float, shift: float) -> None:
+        """Have the clock of a number tick at an interval, first after a shift [s]."""
+        self._clocks.set_interval(number, interval, shift)
+
+    def hold(self, variable: Variable, value: float) -> None:
+        """Have a variable that belongs to a clock wait for its tick with a value."""
+        lane = variable.lane
+        assert lane is not None
+        row = self._variable[self._lane[variable.reference]["variable"]]
+        self.stores[int(row["kind"])][int(row["first"]) + lane.element] = value
 
     def state(self) -> bytes:
         """What is remembered from step to step."""
@@ -160,12 +193,12 @@ class Lanes:
             state = state[size:]
 
     def _remembered(self) -> list[NDArray[Any]]:
-        return [self._difference, self._lane, *self.stores]
+        return [self._difference, self._lane, self._clocks.table, *self.stores]
 
     @property
-    def ended(self) -> bool:
-        """Whether the FMU asked to end the run."""
-        return bool(self._head["ended"][0])
+    def ended(self) -> float | None:
+        """When the FMU asked to end the run [s]; None if it did not."""
+        return float(self._head["ended_at"][0]) if self._head["ended"][0] else None
 
     def arrays(self) -> Mapping[tuple[str, int], NDArray[Any]]:
         """What was set last of every array, by type and value reference; to be written to."""
@@ -181,6 +214,8 @@ class Lanes:
     def complaint(self) -> str:
         """What an adaptor refused, in words; empty if it did not."""
         number = int(self._head["refused"][0])
+        if self._head["stuck"][0]:
+            return f"it got no further in {STUCK} early returns or updates of its discrete states"
         if number < 0:
             return ""
         variable = self._variable_of(number)
@@ -215,14 +250,24 @@ def _is_double(variable: Variable, description: Description) -> bool:
     assert lane is not None
     discrete = description.has_events and variable.variability != "continuous"
     changed = (lane.size, lane.gain, lane.offset) != (1, 1.0, 0.0)
-    return variable.type in ("Real", "Float64") and not (changed or discrete)
+    return variable.type in ("Real", "Float64") and not (changed or discrete or variable.held)
+
+
+def _way(variable: Variable) -> int:
+    """How a variable is set and read, as `records` numbers it."""
+    if variable.kind == "clock":
+        return TICK
+    if variable.held:
+        return HELD
+    discrete = variable.variability != "continuous" and variable.causality == "input"
+    return DISCRETE if discrete else PLAIN
 
 
 def _kind(variable: Variable, version: str) -> tuple[str, str, str, float, float]:
     """Type in memory, functions, and range of a variable's values."""
     name, memory_type = TYPES[variable.type].access(version)
     getter, setter = (f"fmi{version[0]}{verb}{name}" for verb in ("Get", "Set"))
-    if variable.kind == "boolean":
+    if variable.kind in ("boolean", "clock"):
         return memory_type, getter, setter, 0.0, 1.0
     if memory_type.startswith("f"):
         return memory_type, getter, setter, -np.inf, np.inf

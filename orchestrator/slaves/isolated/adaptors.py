@@ -27,7 +27,7 @@ from ..abi import (
     Function,
     Role,
 )
-from ..calls import call
+from ..calls import call, fine, worse
 from ..compiled import Adaptors
 from ..memory import I8, U4, bits, pointer
 from . import protocol as p
@@ -126,13 +126,15 @@ def _command(memory, code, arguments):
         return int32(ERROR)
     if slots[p.USED] + needed > slots[p.CAPACITY]:
         status = _signal(slots)
-    if status > 1 or slots[p.FAILED] != 0:
-        return int32(max(status, ERROR))
+    if slots[p.FAILED] != 0:
+        return int32(FATAL)
+    if not fine(status):
+        return int32(status)
     _write(memory, slots, code, arguments)
     if ANSWERS[code]:
-        status = max(status, _signal(slots))
+        status = worse(status, _signal(slots))
         for n in range(len(arguments)):
-            if status <= 1 and (ROLE[code, n] == RESULT or ROLE[code, n] == BOTH):
+            if fine(status) and (ROLE[code, n] == RESULT or ROLE[code, n] == BOTH):
                 result = memory + 8 * (p.HEAD + slots[p.CAPACITY])
                 _copy(result, arguments[n], _words(code, arguments, n))
     return int32(status)

@@ -37,7 +37,7 @@ REQUESTS = {
     "set_texts": "setting texts",
     "complaint": "complaining",
     "remarks": "remarking",
-    "has_ended": "ending the run",
+    "ended_at": "ending the run",
     "close": "terminating it",
 }
 """What the worker is asked for by name, and what it is doing then. The first two it does itself;

@@ -28,9 +28,10 @@ from ...errors import SlaveError, plain
 from ...fmu.description import Description, Variable
 from ...system.system import Value
 from ..abi import NAMES
-from ..base import Slave, Status
+from ..base import Slave
 from ..fmu import address_of
 from ..listener import Listener
+from ..status import Status
 from . import protocol as p
 from .adaptors import adaptors
 
@@ -102,8 +103,8 @@ class IsolatedSlave(Slave):
     def set_value(self, variable: Variable, value: Value) -> None:
         self._do("set_value", variable, value)
 
-    def start(self, time: float, stop: float) -> None:
-        self._do("start", time, stop)
+    def start(self, time: float, stop: float, tolerance: float | None = None) -> None:
+        self._do("start", time, stop, tolerance)
 
     def begin_stepping(self) -> None:
         self._do("begin_stepping")
@@ -138,8 +139,8 @@ class IsolatedSlave(Slave):
     def remarks(self) -> list[str]:
         return self._remarks
 
-    def has_ended(self) -> bool:
-        return not self._slots[p.FAILED] and self._do("has_ended")[0]
+    def ended_at(self) -> float | None:
+        return None if self._slots[p.FAILED] else self._do("ended_at")[0]
 
     def said(self) -> str:
         self._catch_up()

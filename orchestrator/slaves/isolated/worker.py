@@ -20,6 +20,7 @@ from typing import Any
 from ...errors import OrchestratorError
 from ..abi import DO_STEP, FUNCTIONS, Function, Role
 from ..loading import load
+from ..status import fine, worse
 from . import protocol as p
 
 LONGEST = 4000
@@ -100,7 +101,7 @@ class Worker:
         place, end = p.HEAD, p.HEAD + slots[p.USED]
         result = p.HEAD + slots[p.CAPACITY]
         worst = status = 0
-        while place < end and status <= 1:
+        while place < end and fine(status):
             slots[p.CALL] = number = slots[place]
             call = self._calls[number - 1]
             arguments: Any = call.numbers.unpack_from(self._memory, 8 * place + 8)
@@ -116,10 +117,10 @@ class Worker:
                     place += (words * (1 if counted < 0 else arguments[counted]) + 1) // 2
                 arguments = [arguments[n] for n in call.order]
             status = call.function(self._instance, *arguments)
-            worst = max(worst, status)
+            worst = worse(worst, status)
         slots[p.USED] = 0
         slots[p.STATUS] = worst
-        slots[p.FAILED_CALL] = slots[p.CALL] if status > 1 else 0
+        slots[p.FAILED_CALL] = 0 if fine(status) else slots[p.CALL]
 
 
 class _Call:

@@ -40,7 +40,9 @@ def test_honest_mocks_pass():
     for component in (damper(10.0), mass(), InlineModel(**COUNTER)):
         found = self_test(Component(component))
         assert found.findings == ()
-    assert found.passed == ("units", "determinism", "rollback", "dependencies")
+    assert found.passed == (
+        "start", "units", "surroundings", "determinism", "rollback", "reading", "dependencies",
+    )  # fmt: skip
 
 
 def test_a_saved_state_that_forgets_is_found_out():

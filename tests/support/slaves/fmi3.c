@@ -117,6 +117,18 @@ EXPORT int fmi3SetString(void *c, const uint32_t *r, size_t n, const char *const
     return OK;
 }
 
+EXPORT int fmi3GetBinary(void *c, const uint32_t *r, size_t n, size_t *sizes, const uint8_t **v, size_t size) {
+    (void)c, (void)r, (void)size;
+    for (size_t i = 0; i < n; i++) sizes[i] = 3, v[i] = (const uint8_t *)"foo";
+    return OK;
+}
+
+EXPORT int fmi3GetClock(void *c, const uint32_t *r, size_t n, bool *v) {
+    (void)c, (void)r;
+    for (size_t i = 0; i < n; i++) v[i] = false;
+    return OK;
+}
+
 EXPORT int fmi3GetDirectionalDerivative(void *c, const uint32_t *unknown, size_t n, const uint32_t *known,
                                         size_t m, const double *seed, size_t seeds, double *result,
                                         size_t results) {
@@ -229,7 +241,7 @@ ACCEPTED(fmi3Reset) ACCEPTED(fmi3SetDebugLogging) ACCEPTED(fmi3Terminate)
 REFUSED(fmi3ActivateModelPartition) REFUSED(fmi3CompletedIntegratorStep)
 REFUSED(fmi3DeserializeFMUState) REFUSED(fmi3EnterContinuousTimeMode)
 REFUSED(fmi3EvaluateDiscreteStates) REFUSED(fmi3FreeFMUState) REFUSED(fmi3GetAdjointDerivative)
-REFUSED(fmi3GetBinary) REFUSED(fmi3GetClock) REFUSED(fmi3GetContinuousStateDerivatives)
+REFUSED(fmi3GetContinuousStateDerivatives)
 REFUSED(fmi3GetContinuousStates) REFUSED(fmi3GetEventIndicators) REFUSED(fmi3GetFMUState)
 REFUSED(fmi3GetIntervalDecimal) REFUSED(fmi3GetIntervalFraction)
 REFUSED(fmi3GetNominalsOfContinuousStates) REFUSED(fmi3GetNumberOfContinuousStates)
