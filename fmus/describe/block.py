@@ -6,7 +6,7 @@ Python twin, the exact directional derivatives and the declared dependencies.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -116,6 +116,23 @@ class Block:
         """
         return {}, {}
 
+    def margin(self, x: Signals, u: Signals, p: Signals, d: Signals) -> ca.SX | None:
+        """At least zero where `step`, at both its ends, and `output` hold; None: everywhere.
+
+        Elsewhere `step_beyond` and `output_beyond` stand in, which may cost more.
+        """
+        return None
+
+    def step_beyond(
+        self, x: Signals, u: Signals, rate: Signals, p: Signals, d: Signals, h: ca.SX
+    ) -> tuple[Signals, Signals]:
+        """The micro step that holds everywhere."""
+        return self.step(x, u, rate, p, d, h)
+
+    def output_beyond(self, x: Signals, u: Signals, p: Signals, d: Signals) -> Signals:
+        """The outputs that hold everywhere, of a block with a margin."""
+        raise NotImplementedError
+
     def output(
         self, x: Signals, u: Signals, p: Signals, d: Signals, lookup: ca.SX | None
     ) -> Signals:
@@ -132,12 +149,16 @@ class Block:
         """
         return None
 
+    def output_slope(self) -> ca.Function | None:
+        """The same with exact derivatives, where `output_function` has none for its haste."""
+        return None
+
     def output_branches(self) -> Sequence[ca.Function]:
         """The functions (x, u, p, d, lookup) -> y among which the parameter `switch` chooses.
 
         The dependencies of the outputs are read from these, since a choice hides their sparsity.
         """
-        return [self.functions.outputs]
+        return [self.functions.outputs_beyond]
 
     def derivative(self, x: Signals, u: Signals, p: Signals, d: Signals) -> Signals:
         """Time derivatives of the continuous states, the memory as it is."""
@@ -231,9 +252,11 @@ class Functions:
     constants(p, d) -> c
     initial(p, d, u) -> x
     largest_step(x, u, p, d) -> h [s]
-    step(x, u, rate, p, d, h) -> x, u at the end of the micro step
+    step(x, u, rate, p, d, h) -> x, u at the end of the micro step, and the margin if any
+    step_beyond(x, u, rate, p, d, h) -> x, u
     stations(x, u, p, d) -> s
-    outputs(x, u, p, d, lookup) -> y
+    outputs(x, u, p, d, lookup) -> y, and the margin
+    outputs_beyond(x, u, p, d, lookup) -> y
     derivative(x, u, p, d) -> dx/dt of the continuous states
     event_indicators(x, u, p, d, mode) -> z
     memory_after(x, u, p, d, mode) -> memory states, mode
@@ -265,12 +288,22 @@ class Functions:
         self.largest_step = ca.Function(
             "largest_step", [xv, uv, pv, dv], [ca.SX(block.largest_step(x, u, p, d))]
         )
-        x_end, u_end = block.step(x, u, rate, p, d, h)
         held = {name: u[name] + rate[name] * h for name in u}
-        self.step = ca.Function(
-            "step",
-            [xv, uv, _vector(rate), pv, dv, h],
-            [_ordered(block.states, x_end), _ordered(block.inputs, {**held, **u_end})],
+        over_step = [xv, uv, _vector(rate), pv, dv, h]
+
+        def ends(step: Callable[..., tuple[Signals, Signals]]) -> tuple[Signals, Signals]:
+            x_end, moved = step(x, u, rate, p, d, h)
+            return x_end, {**held, **moved}
+
+        def vectors(x_end: Signals, u_end: Signals) -> list[ca.SX]:
+            return [_ordered(block.states, x_end), _ordered(block.inputs, u_end)]
+
+        x_end, u_end = ends(block.step)
+        at_start, at_end = block.margin(x, u, p, d), block.margin(x_end, u_end, p, d)
+        margins = [] if at_start is None or at_end is None else [ca.fmin(at_start, at_end)]
+        self.step = ca.Function("step", over_step, ca.cse([*vectors(x_end, u_end), *margins]))
+        self.step_beyond = ca.Function(
+            "step_beyond", over_step, ca.cse(vectors(*ends(block.step_beyond)))
         )
         self.stations = ca.Function(
             "stations", [xv, uv, pv, dv], [ca.densify(block.stations(x, u, p, d))]
@@ -292,12 +325,22 @@ class Functions:
             at_event,
             [_ordered(block.memory, memory), _ordered(block.modes, mode_after)],
         )
-        self.outputs = block.output_function() or ca.Function(
+        at_point = [xv, uv, pv, dv, lookup]
+
+        def outputs(name: str, y: Signals, *more: ca.SX) -> ca.Function:
+            return ca.Function(name, at_point, ca.cse([_ordered(block.outputs, y), *more]))
+
+        self.outputs = block.output_function() or outputs(
             "outputs",
-            [xv, uv, pv, dv, lookup],
-            [_ordered(block.outputs, block.output(x, u, p, d, lookup if block.table else None))],
+            block.output(x, u, p, d, lookup if block.table else None),
+            *([] if at_start is None else [at_start]),
         )
-        self._continuous = len(block.continuous)
+        self.outputs_beyond = (
+            self.outputs
+            if at_start is None
+            else outputs("outputs_beyond", block.output_beyond(x, u, p, d))
+        )
+        self._continuous, self._slope = len(block.continuous), block.output_slope()
 
     @property
     def stations_forward(self) -> ca.Function:
@@ -314,9 +357,10 @@ class Functions:
         Made when first asked for: it takes most of the time, and a simulation does without.
         """
         continuous = self._continuous
-        plain = self.outputs.is_a("SXFunction")
+        outputs = self._slope or self.outputs_beyond
+        plain = outputs.is_a("SXFunction")
         kind: Any = ca.SX if plain else ca.MX
-        arguments: list[Any] = self.outputs.sx_in() if plain else self.outputs.mx_in()
+        arguments: list[Any] = outputs.sx_in() if plain else outputs.mx_in()
         x, u, p, d, lookup = arguments
         x_seed = kind.sym("x_seed", continuous)
         u_seed = kind.sym("u_seed", u.numel())
@@ -326,6 +370,7 @@ class Functions:
             moving = [(at, seed) for at, seed in pairs if at.numel()]
             return ca.densify(sum(ca.jtimes(expression, at, seed) for at, seed in moving))
 
+        shared: Any = ca.cse if plain else list
         by_ports = ((x[:continuous], x_seed), (u, u_seed))
         fractions = lookup[0, :].T if lookup.numel() else lookup
         seeds = [x_seed, u_seed]
@@ -336,10 +381,12 @@ class Functions:
         ), ca.Function(
             "forward",
             [x, u, p, d, lookup, *seeds, fraction_seed],
-            [
-                along(self.outputs(x, u, p, d, lookup), *by_ports, (fractions, fraction_seed)),
-                along(self.derivative(x, u, p, d), *by_ports),
-            ],
+            shared(
+                [
+                    along(outputs(x, u, p, d, lookup), *by_ports, (fractions, fraction_seed)),
+                    along(self.derivative(x, u, p, d), *by_ports),
+                ]
+            ),
         )
 
 

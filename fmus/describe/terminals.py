@@ -49,9 +49,15 @@ WHEELSET = Joint(
 """A truck on the contact of one of its wheelsets with the rails."""
 
 RAILS = Joint(
-    "rails", "bus", ("rail_y_left", "rail_y_right", "rail_z_left", "rail_z_right", "speed")
+    "rails",
+    "bus",
+    (
+        *(f"rail_{motion}_{side}" for motion in ("y", "z", "az") for side in ("left", "right")),
+        "speed",
+    ),
 )
-"""A track under one axle: its wheelset takes the lateral displacements, its truck the vertical."""
+"""A track under one axle: its wheelset takes the lateral displacements, its truck the vertical
+ones and their accelerations."""
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,10 @@ class Twin:
         largest = float(f.largest_step(self.x, self.u, self.p, self.d))
         count = max(1, math.ceil(size / largest - 1e-9))
         for _ in range(count):
-            x, u = f.step(self.x, self.u, self.rate, self.p, self.d, size / count)
+            over_step = (self.x, self.u, self.rate, self.p, self.d, size / count)
+            x, u, *margin = f.step(*over_step)
+            if margin and float(margin[0]) < 0:
+                x, u = f.step_beyond(*over_step)
             self.x, self.u = _array(x), _array(u)
         self.rate[:] = 0.0
         self.time += size
@@ -75,7 +78,13 @@ class Twin:
 
     def outputs(self) -> np.ndarray:
         """All outputs in block order."""
-        return _array(self.block.functions.outputs(self.x, self.u, self.p, self.d, self._lookup()))
+        f, at = self.block.functions, (self.x, self.u, self.p, self.d, self._lookup())
+        found = f.outputs(*at)
+        if f.outputs_beyond is not f.outputs:
+            found, margin = found
+            if float(margin) < 0:
+                found = f.outputs_beyond(*at)
+        return _array(found)
 
     def derivatives(self) -> np.ndarray:
         """Time derivatives of the continuous states, which are the first ones in `x`."""

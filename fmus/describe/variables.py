@@ -92,9 +92,11 @@ def vector(name: str, size: int, description: str) -> Array:
     return Array(name, description, tuple(f"{name}[{i}]" for i in range(1, size + 1)), (size,))
 
 
-def choice(name: str, description: str, choices: tuple[str, ...]) -> Parameter:
+def choice(name: str, description: str, choices: tuple[str, ...], symbol: str = "") -> Parameter:
     """A parameter that is one of the choices, the first by default."""
-    return Parameter(name, "1", description, kind="enumeration", choices=choices, default=1.0)
+    return Parameter(
+        name, "1", description, symbol=symbol, kind="enumeration", choices=choices, default=1.0
+    )
 
 
 MAX = 1.7976931348623157e308

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cache, cached_property
 
 import casadi as ca
 
@@ -52,6 +52,18 @@ def _rails(axle: int) -> list[Output]:
             nominal=1e-3,
         )
         for axis, direction, side in RAIL_MOTIONS
+    ]
+
+
+def _accelerations(axle: int) -> list[Output]:
+    return [
+        Output(
+            f"axle[{axle}].rail_az_{side}",
+            "m/s2",
+            f"Vertical acceleration of the {side} rail under axle {axle}, at a steady speed",
+            nominal=1.0,
+        )
+        for side in ("left", "right")
     ]
 
 
@@ -131,6 +143,7 @@ class Track(Block):
         Output("distance", "m", "Distance travelled", nominal=100.0),
         Output("speed_out", "m/s", "Speed, passed through", derivative_of="distance"),
         *(rail for axle in AXLES for rail in _rails(axle)),
+        *(rail for axle in AXLES for rail in _accelerations(axle)),
     )
     states = (State("distance", "m", "Distance travelled"),)
     terminals = tuple(
@@ -198,19 +211,37 @@ class Track(Block):
     ) -> Signals:
         assert lookup is not None
         y: dict[str, ca.SX] = {"distance": x["distance"], "speed_out": u["speed"]}
-        stations = self.stations(x, u, p, d)
+        stations, rails = self.stations(x, u, p, d), _rails_at()
         for column, axle in enumerate(AXLES):
-            a, v, xl, g = _interpolate(lookup[:, column])
-            fade = _smoothstep(stations[column], p["fade_length"])
-            rails = (a + g / 2, a - g / 2, v + xl / 2, v - xl / 2)  # (9)
-            for output, value in zip(_rails(axle), rails, strict=True):
-                y[output.name] = fade * value
+            fraction, nodes = lookup[0, column], lookup[1:, column]
+            value, bend = rails(stations[column], fraction, nodes, p["fade_length"])
+            for i, output in enumerate(_rails(axle)):
+                y[output.name] = value[i]
+            for i, output in enumerate(_accelerations(axle), start=2):
+                y[output.name] = u["speed"] ** 2 * bend[i]  # (12)
         return y
 
 
-def _interpolate(column: ca.SX) -> Sequence[ca.SX]:
+@cache
+def _rails_at() -> ca.Function:
+    """(station, fraction between nodes, both nodes, fade length) -> rails (4), second derivatives.
+
+    In the order of `RAIL_MOTIONS`; the derivatives [1/m] are along the track.
+    """
+    station, fraction, length = (ca.SX.sym(n) for n in ("station", "fraction", "length"))
+    nodes = ca.SX.sym("nodes", 4 * len(CHANNELS))
+    a, v, xl, g = _interpolate(fraction, nodes)
+    rails = ca.vertcat(a + g / 2, a - g / 2, v + xl / 2, v - xl / 2)  # (9)
+    value = _smoothstep(station, length) * rails
+    place, onwards = ca.vertcat(station, fraction), ca.DM([1, 1 / SPACING])
+    slope = ca.jtimes(value, place, onwards)
+    bend = ca.jtimes(slope, place, onwards)
+    return ca.Function("rails_at", [station, fraction, nodes, length], [value, bend])
+
+
+def _interpolate(t: ca.SX, column: ca.SX) -> Sequence[ca.SX]:
     """Cubic Hermite interpolation of the four channels between two nodes, (8)."""
-    t, nodes = column[0], ca.reshape(column[1:], 2 * len(CHANNELS), 2)
+    nodes = ca.reshape(column, 2 * len(CHANNELS), 2)
     left, right = nodes[:, 0], nodes[:, 1]
     rest = 1 - t
     values = (

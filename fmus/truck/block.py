@@ -3,19 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import casadi as ca
 
 from ..describe.block import Block, Signals
-from ..describe.elements import (
-    friction_force,
-    slider_indicator,
-    slider_mode,
-    slip_after,
-    spring_force,
-    stop_indicator,
-)
+from ..describe.elements import slider_indicator, slider_mode, stop_indicator
+from .joints import TIPPING, Joints, Motion, joints_of, slips_after, strains
 from .mass import mass_matrix
 from .ports import (
     ARRAYS,
@@ -28,36 +21,18 @@ from .ports import (
     OWN_MOTION,
     PARAMETERS,
     SHARES,
+    SIDES,
     STATES,
     TANGENTS,
     TERMINALS,
 )
 
 GRAVITY = 9.80665  # [m/s2]
+NEVER = 1e30
+"""Load [N] that a contact always holds, gap [m] that never closes."""
+
 PLANAR = (0, 1, 3, 4)
 """Places in q of the coordinates that the mass matrix couples."""
-
-WEDGE_ELEMENTS = (2, 3, 4)
-"""Places of the elements whose friction is the wedges': bolster roll, vertical, lateral."""
-
-Motion = list[ca.SX]
-"""The six coordinates, or their rates."""
-
-
-@dataclass(frozen=True)
-class Joints:
-    """Forces of the elements and of the contact, [N] or [N.m], with what they came from."""
-
-    strain: Motion
-    reach: Motion
-    spring: Motion
-    friction: Motion
-    contact_z: ca.SX
-    contact_roll: ca.SX
-
-    def total(self, element: int) -> ca.SX:
-        """Spring and friction of the element at this place."""
-        return self.spring[element] + self.friction[element]
 
 
 class Truck(Block):
@@ -104,7 +79,29 @@ class Truck(Block):
         )  # fmt: skip
         below_springs = 2 * (p["wheelset_mass"] + p["side_frame_mass"]) * GRAVITY
         spring_load = ca.fmax(2 * p["axle_load"] - below_springs, 1.0)
+        plate_weight = p["centre_plate_weight"]
+        held = p["centre_plate_contact"] == 2
+        rocking = p["contact_roll.stiffness"] / p["centre_plate_radius"] ** 2
+        spacing = p["half_side_bearing_spacing"]
+        stiffness_trace += (
+            2
+            * p["side_bearing_stiffness"]
+            * (1 / p["bolster_mass"] + spacing**2 / p["bolster_roll_inertia"])
+        )
         return {
+            "plate_hold": ca.if_else(held, NEVER, plate_weight),
+            "plate_sensitivity": (p["centre_plate_friction"] - 1) / plate_weight,
+            "rim_share": p["contact_vertical.stiffness"]
+            / ca.fmax(p["contact_vertical.stiffness"] + rocking, 1e-30),
+            "bearing_gap": ca.if_else(held, NEVER, p["side_bearing_gap"]),
+            "compliance": ca.vertcat(
+                *(1 / ca.fmax(p[f"{n}.friction_stiffness"], 1e-30) for n in ELEMENTS)
+            ),
+            "unsprung_mass": below_springs / GRAVITY,
+            "unsprung_roll_inertia": 2
+            * (
+                p["wheelset_yaw_inertia"] + p["side_frame_mass"] * p["half_side_frame_spacing"] ** 2
+            ),
             "mobility": mobility,
             "bolster_mobility": ca.vertcat(*by_strain[2:4]),
             "contact_damping": ca.vertcat(*damping),
@@ -126,7 +123,9 @@ class Truck(Block):
         """Coordinates as the parameters say; friction at zero, whatever these are."""
         q = [p[f"initial.{name}"] for name in COORDINATES]
         qd = [p[f"initial.{name}_rate"] for name in COORDINATES]
-        return _states(q, qd, _strains(q, u, p))
+        kinds = ("friction_stiffness", "friction_limit")
+        smooth = {**p, **{f"{name}.{kind}": ca.SX(0) for name in ELEMENTS for kind in kinds}}
+        return _states(q, qd, joints_of(q, qd, strains(q, u, p), u, smooth, d).strain)
 
     def largest_step(self, x: Signals, u: Signals, p: Signals, d: Signals) -> ca.SX:
         """(12): bounds on the spectrum of M^-1 K, and of M^-1 D, which grows at low speed."""
@@ -140,6 +139,24 @@ class Truck(Block):
     def step(
         self, x: Signals, u: Signals, rate: Signals, p: Signals, d: Signals, h: ca.SX
     ) -> tuple[Signals, Signals]:
+        return self._step(x, u, rate, p, d, h, touching=True)
+
+    def step_beyond(
+        self, x: Signals, u: Signals, rate: Signals, p: Signals, d: Signals, h: ca.SX
+    ) -> tuple[Signals, Signals]:
+        return self._step(x, u, rate, p, d, h, touching=False)
+
+    def _step(
+        self,
+        x: Signals,
+        u: Signals,
+        rate: Signals,
+        p: Signals,
+        d: Signals,
+        h: ca.SX,
+        *,
+        touching: bool,
+    ) -> tuple[Signals, Signals]:
         """Classical Runge-Kutta step; friction follows the strain inside it, (10), (11)."""
         q, qd, slip = _coordinates(x)
         middle = {name: u[name] + rate[name] * (0.5 * h) for name in u}
@@ -148,7 +165,8 @@ class Truck(Block):
 
         def acceleration(at: Signals, q: Motion, qd: Motion) -> Motion:
             loads = _axle_loads(at, u, _axle_motions(q, qd, p), start_motion)
-            return _acceleration(_joints(q, qd, slip, at, p, d), loads, p, d)
+            joints = joints_of(q, qd, slip, at, p, d, touching=touching)
+            return _acceleration(joints, loads, p, d)
 
         # For y'' = a(t, y, y') the classical step needs the accelerations only.
         half, sixth = 0.5 * h, h / 6
@@ -165,40 +183,66 @@ class Truck(Block):
             qd, sixth, [s + b + c + e for s, b, c, e in zip(travel, a2, a3, a4, strict=True)]
         )
 
-        joints = _joints(q_end, qd_end, slip, end, p, d)
+        joints = joints_of(q_end, qd_end, slip, end, p, d, touching=touching)
         loads = _axle_loads(end, u, _axle_motions(q_end, qd_end, p), start_motion)
-        return _states(q_end, qd_end, _slip_after(joints, slip)), loads
+        return _states(q_end, qd_end, slips_after(joints, slip)), loads
+
+    def margin(self, x: Signals, u: Signals, p: Signals, d: Signals) -> ca.SX:
+        """(19)"""
+        return joints_of(*_coordinates(x), u, p, d, touching=True).margin
 
     def output(
         self, x: Signals, u: Signals, p: Signals, d: Signals, lookup: ca.SX | None
     ) -> Signals:
+        return self._output(x, u, p, d, touching=True)
+
+    def output_beyond(self, x: Signals, u: Signals, p: Signals, d: Signals) -> Signals:
+        return self._output(x, u, p, d, touching=False)
+
+    def _output(self, x: Signals, u: Signals, p: Signals, d: Signals, *, touching: bool) -> Signals:
         q, qd, slip = _coordinates(x)
-        joints = _joints(q, qd, slip, u, p, d)
+        joints = joints_of(q, qd, slip, u, p, d, touching=touching)
         motions = _axle_motions(q, qd, p)
-        car_force_y = joints.total(0)
         # (9): half of the truck's loads to each axle
-        both = p["axle_load"] - 0.5 * joints.total(3)
-        tilting = joints.total(2) + p["centre_plate_height"] * car_force_y
-        left_less_right = -0.5 * tilting / p["half_contact_spacing"]
+        load, moment = joints.rails.carried(*map(joints.total, TIPPING))
+        both, left_less_right = 0.5 * load, 0.5 * moment / p["half_contact_spacing"]
+        lifted = [height > 0 for height in (joints.lift.left, joints.lift.right)]
+        both = ca.if_else(lifted[0] * lifted[1], 0, both)
+        left_less_right = ca.if_else(lifted[0], -both, ca.if_else(lifted[1], both, left_less_right))
+        wheels = {
+            "left": ca.fmax(0.5 * (both + left_less_right), 0),
+            "right": ca.fmax(0.5 * (both - left_less_right), 0),
+        }
+        ratios = [
+            ca.fabs(e) / ca.fmax(p[f"{n}.measured_strain"], 1e-30)
+            for n, e in zip(ELEMENTS, joints.strain, strict=True)
+        ]
         return {
             **{f"axle[{k}].{name}": motions[k][name] for k in AXLES for name in OWN_MOTION},
-            **{f"axle[{k}].load_left": ca.fmax(0.5 * (both + left_less_right), 0) for k in AXLES},
-            **{f"axle[{k}].load_right": ca.fmax(0.5 * (both - left_less_right), 0) for k in AXLES},
-            "car.force_y": car_force_y,
-            "car.force_z": joints.contact_z,
-            "car.moment_x": joints.contact_roll,
+            **{f"axle[{k}].load_{side}": wheels[side] for k in AXLES for side in SIDES},
+            "car.force_y": joints.total(0),
+            "car.force_z": joints.plate.force_z,
+            "car.moment_x": joints.plate.moment_x,
             "car.moment_z": joints.total(1),
             **_numbered("q", q),
             **_numbered("qd", qd),
             **_numbered("spring", joints.spring),
             **_numbered("friction", joints.friction),
+            "centre_plate_load": joints.plate.load,
+            **{
+                f"side_bearing_{side}": load
+                for side, load in zip(SIDES, joints.plate.bearings, strict=True)
+            },
+            "lift_left": joints.lift.left,
+            "lift_right": joints.lift.right,
+            **_numbered("strain_ratio", ratios),
         }
 
     def derivative(self, x: Signals, u: Signals, p: Signals, d: Signals) -> Signals:
         """(3) with the sliders where they are; an element at its limit gives no stiffness."""
         q, qd, slip = _coordinates(x)
         loads = {f"axle[{k}].{name}": u[f"axle[{k}].{name}"] for k in AXLES for name in SHARES}
-        acceleration = _acceleration(_joints(q, qd, slip, u, p, d), loads, p, d)
+        acceleration = _acceleration(joints_of(q, qd, slip, u, p, d), loads, p, d)
         return {**_numbered("q", qd), **_numbered("qd", acceleration)}
 
     def event_indicators(
@@ -206,10 +250,10 @@ class Truck(Block):
     ) -> Signals:
         """(14), (15) for the six elements."""
         q, qd, slip = _coordinates(x)
-        joints = _joints(q, qd, slip, u, p, d)
+        joints = joints_of(q, qd, slip, u, p, d)
         ports_at_rest: dict[str, ca.SX] = dict.fromkeys(u, ca.SX(0))
         moving = ports_at_rest | {"car.y": u["car.vy"], "car.yaw": u["car.wz"]}
-        rate = _strains(qd, moving, p)
+        rate = strains(qd, moving, p)
         sliders = [
             slider_indicator(joints.strain[i], rate[i], slip[i], joints.reach[i], m)
             for i, m in enumerate(mode.values())
@@ -218,69 +262,30 @@ class Truck(Block):
             stop_indicator(joints.strain[i], p[f"{name}.stop_stiffness"], p[f"{name}.free_play"])
             for i, name in enumerate(ELEMENTS)
         ]
-        return {**_numbered("slider", sliders), **_numbered("stop", stops)}
+        overlap = [
+            q[5] - u["car.z"] + sign * p["half_side_bearing_spacing"] * (q[2] - u["car.roll"])
+            for sign in (1, -1)
+        ]
+        touching = joints_of(q, qd, slip, u, p, d, touching=True)
+        contacts = {
+            "wheels": touching.wheels,
+            "centre_plate": touching.plate.rim,
+            "side_bearing_left": d["bearing_gap"] - overlap[0],
+            "side_bearing_right": d["bearing_gap"] - overlap[1],
+        }
+        return {**_numbered("slider", sliders), **_numbered("stop", stops), **contacts}
 
     def memory_after(
         self, x: Signals, u: Signals, p: Signals, d: Signals, mode: Signals
     ) -> tuple[Signals, Signals]:
         """(6), (13): the sliders follow, and the modes with them."""
         q, qd, slip = _coordinates(x)
-        joints = _joints(q, qd, slip, u, p, d)
+        joints = joints_of(q, qd, slip, u, p, d)
         modes = [
             slider_mode(joints.strain[i], slip[i], joints.reach[i], m)
             for i, m in enumerate(mode.values())
         ]
-        return _numbered("slip", _slip_after(joints, slip)), _numbered("slider", modes)
-
-
-def _slip_after(joints: Joints, slip: Motion) -> Motion:
-    """The slips once the sliders have followed the strains, (6)."""
-    return [
-        slip_after(strain, s, reach)
-        for strain, s, reach in zip(joints.strain, slip, joints.reach, strict=True)
-    ]
-
-
-def _strains(q: Motion, u: Signals, p: Signals) -> Motion:
-    """Strains of the six elements, (4)."""
-    heights = [u[f"axle[{k}].rail_z_{side}"] for k in AXLES for side in ("left", "right")]
-    left_1, right_1, left_2, right_2 = heights
-    left, right = left_1 + left_2, right_1 + right_2
-    return [
-        q[0] + p["half_wheelbase"] * (q[1] + q[3]) + q[4] - u["car.y"],
-        q[1] - u["car.yaw"],
-        q[2] - 0.25 * (left - right) / p["half_contact_spacing"],
-        q[5] - 0.25 * (left + right),
-        q[4],
-        q[3],
-    ]
-
-
-def _joints(q: Motion, qd: Motion, slip: Motion, u: Signals, p: Signals, d: Signals) -> Joints:
-    """Forces of the six elements, (5) to (7), and of the centre plate contact, (8)."""
-    strain = _strains(q, u, p)
-    spring = [
-        spring_force(e, p[f"{n}.stiffness"], p[f"{n}.stop_stiffness"], p[f"{n}.free_play"])
-        for n, e in zip(ELEMENTS, strain, strict=True)
-    ]
-    # (7): a bolster that comes down adds to the load on the wedges
-    load_ratio = ca.fmax(1 - d["load_sensitivity"] * spring[3], 0)
-    scale = [load_ratio if i in WEDGE_ELEMENTS else 1 for i in range(len(ELEMENTS))]
-    friction = [
-        friction_force(e, s, p[f"{n}.friction_stiffness"], p[f"{n}.friction_limit"] * scale[i])
-        for i, (n, e, s) in enumerate(zip(ELEMENTS, strain, slip, strict=True))
-    ]
-    c_roll, c_z = ca.vertsplit(d["contact_damping"])
-    return Joints(
-        strain=strain,
-        reach=[d["reach"][i] * scale[i] for i in range(len(ELEMENTS))],
-        spring=spring,
-        friction=friction,
-        contact_z=p["contact_vertical.stiffness"] * (q[5] - u["car.z"])
-        + c_z * (qd[5] - u["car.vz"]),
-        contact_roll=p["contact_roll.stiffness"] * (q[2] - u["car.roll"])
-        + c_roll * (qd[2] - u["car.wx"]),
-    )
+        return _numbered("slip", slips_after(joints, slip)), _numbered("slider", modes)
 
 
 def _axle_motions(q: Motion, qd: Motion, p: Signals) -> dict[int, dict[str, ca.SX]]:
@@ -326,10 +331,10 @@ def _acceleration(joints: Joints, loads: Signals, p: Signals, d: Signals) -> Mot
     return [
         a[0],
         a[1],
-        -by_roll * (roll + joints.contact_roll),
+        -by_roll * (roll + joints.plate.moment_x),
         a[2],
         a[3],
-        -by_vertical * (vertical + joints.contact_z),
+        -by_vertical * (vertical + joints.plate.force_z),
     ]
 
 

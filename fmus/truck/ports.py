@@ -9,6 +9,7 @@ from ..describe.terminals import CENTRE_PLATE, RAILS, WHEELSET, Terminal
 from ..describe.variables import Array, Input, Output, Parameter, Tangent, Variable, choice, vector
 
 AXLES = (1, 2)
+SIDES = ("left", "right")
 COORDINATES = {
     "lateral": ("m", "Trailing axle lateral"),
     "yaw": ("rad", "Rigid yaw"),
@@ -60,6 +61,13 @@ def _element_parameters(name: str, number: int, unit: str) -> Sequence[Parameter
         parameter("friction_stiffness", stiffness, "Kf", "Stiffness of the stuck friction"),
         parameter("friction_limit", _FORCE[unit], "f", "Largest friction"),
         parameter("free_play", unit, "Delta", "Free play to the stop"),
+        Parameter(
+            f"{name}.measured_strain",
+            unit,
+            f"Largest strain that was measured, {title}",
+            symbol=f"eps_{number}",
+            minimum=0.0,
+        ),
     )
 
 
@@ -118,6 +126,36 @@ PARAMETERS = (
         for parameter in _element_parameters(name, number, unit)
     ),
     choice(
+        "centre_plate_contact",
+        "Whether the carbody may rock and lift off the plate, or always touches (report 6.1)",
+        ("unilateral", "bilateral"),
+        symbol="contact",
+    ),
+    choice(
+        "centre_plate_friction",
+        "Friction of the plate (elements 1, 2): constant or proportional to its load",
+        ("constant", "load_proportional"),
+    ),
+    Parameter(
+        "centre_plate_weight", "N", "Static load on the centre plate", symbol="W_cp", minimum=1.0
+    ),
+    _length("centre_plate_radius", "r_cp", "Radius of the centre plate"),
+    _length("half_side_bearing_spacing", "b_sb", "Half distance of the side bearings"),
+    *(
+        Parameter(f"side_bearing_{name}", unit, text, symbol=symbol, minimum=0.0)
+        for name, unit, text, symbol in (
+            ("gap", "m", "Gap of a side bearing at rest", "g_sb"),
+            ("stiffness", "N/m", "Stiffness of a closed side bearing", "k_sb"),
+            (
+                "damping",
+                "s/m",
+                "Damping over elastic force of a side bearing, per velocity",
+                "l_sb",
+            ),
+            ("friction", "1", "Friction coefficient of a side bearing", "mu_sb"),
+        )
+    ),
+    choice(
         "wedge_law",
         "Friction of the wedges: constant (ASF) or proportional to the spring load (Barber)",
         ("constant", "load_proportional"),
@@ -168,7 +206,17 @@ INPUTS = (
     *(
         Input(f"axle[{k}].rail_z_{side}", "m", f"Height of the {side} rail under axle {k}")
         for k in AXLES
-        for side in ("left", "right")
+        for side in SIDES
+    ),
+    *(
+        Input(
+            f"axle[{k}].rail_az_{side}",
+            "m/s2",
+            f"Vertical acceleration of the {side} rail under axle {k}",
+            optional=True,
+        )
+        for k in AXLES
+        for side in SIDES
     ),
     *(
         Input(
@@ -202,7 +250,7 @@ def _axle_outputs(k: int) -> Sequence[Output]:
         Output(f"{axle}.wz", "rad/s", f"Yaw rate of axle {k}", derivative_of=f"{axle}.yaw"),
         *(
             Output(f"{axle}.load_{side}", "N", f"Load on the {side} wheel of axle {k}", nominal=1e5)
-            for side in ("left", "right")
+            for side in SIDES
         ),
     )
 
@@ -213,6 +261,15 @@ OUTPUTS = (
     Output("car.force_z", "N", "Vertical force on the carbody, beyond the static", nominal=1e4),
     Output("car.moment_x", "N.m", "Roll moment on the carbody", nominal=1e4),
     Output("car.moment_z", "N.m", "Yaw moment on the carbody", nominal=1e4),
+    Output("centre_plate_load", "N", "Load on the centre plate", nominal=1e5),
+    *(
+        Output(f"side_bearing_{side}", "N", f"Load on the {side} side bearing", nominal=1e5)
+        for side in SIDES
+    ),
+    *(
+        Output(f"lift_{side}", "m", f"Height of the {side} wheels above their rail", nominal=1e-2)
+        for side in SIDES
+    ),
     *(
         Output(f"q[{i}]", unit, text, nominal=_NOMINAL[unit])
         for i, (unit, text) in enumerate(COORDINATES.values(), start=1)
@@ -236,6 +293,15 @@ OUTPUTS = (
         )
         for part in ("spring", "friction")
         for i, (name, unit) in enumerate(ELEMENTS.items(), start=1)
+    ),
+    *(
+        Output(
+            f"strain_ratio[{i}]",
+            "1",
+            f"Strain of element {i}, {name.replace('_', ' ')}, over the largest that was measured",
+            nominal=1.0,
+        )
+        for i, name in enumerate(ELEMENTS, start=1)
     ),
 )
 
@@ -295,4 +361,5 @@ ARRAYS = (
     _each("spring", "Spring forces of the elements", _ELEMENT_FORCES),
     _each("friction", "Friction forces of the elements", _ELEMENT_FORCES),
     _each("slip", "Slips of the elements' friction", ELEMENTS),
+    _each("strain_ratio", "Strains over those that were measured", dict.fromkeys(ELEMENTS, "1")),
 )

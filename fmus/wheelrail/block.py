@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any
 
 import casadi as ca
@@ -12,6 +13,7 @@ from ..describe.terminals import RAILS, WHEELSET, Terminal
 from ..describe.variables import Input, Output, Parameter, choice
 from .creep import LAWS, Law
 from .loaded_contact import loaded_contact, static_contact
+from .rolling import Rotation, at_rest, common_creepage, differentiable
 
 SIDES = {"left": 1, "right": -1}
 """Sides of the wheelset, with the sign of their y."""
@@ -114,6 +116,9 @@ class WheelRail(Block):
         Input("speed", "m/s", "Forward speed", start=18.288),
         *(Input(f"load_{s}", "N", f"Vertical load on the {s} wheel", start=1.2e5) for s in SIDES),
         *(Input(f"rail_y_{s}", "m", f"Lateral displacement of the {s} rail") for s in SIDES),
+        Input(
+            "torque", "N.m", "Driving torque on the wheelset; below zero it brakes", optional=True
+        ),
     )
     outputs = (
         Output("force_y", "N", "Lateral force on the wheelset", nominal=1e4),
@@ -124,6 +129,11 @@ class WheelRail(Block):
             for name, (unit, text, nominal) in _PER_WHEEL.items()
         ),
         Output("y_rel", "m", "Wheelset relative to the mean of the two rails", nominal=1e-2),
+        Output("floor_ratio", "1", "Speed floor of the creepages over the speed", nominal=1.0),
+        *(
+            Output(f"{side}.load_ratio", "1", f"Load on the {side} wheel over its static load")
+            for side in SIDES
+        ),
     )
 
     terminals = (
@@ -137,18 +147,26 @@ class WheelRail(Block):
         return static_contact(p)
 
     def output_branches(self) -> list[ca.Function]:
-        return [self._branch(name) for name in CREEP_LAWS]
+        """Each law near straight running with equal loads, where the common creepage is linear."""
+        return [self._branch(name, at_rest) for name in CREEP_LAWS]
 
     def output_function(self) -> ca.Function:
+        return self._by_law("outputs", common_creepage)
+
+    def output_slope(self) -> ca.Function:
+        return self._by_law("outputs_slope", differentiable)
+
+    def _by_law(self, name: str, rotation: Rotation) -> ca.Function:
         """One branch for each creep law, so that a law costs nothing where it is not chosen."""
         # Only derivatives by inputs are ever asked for: that keeps the derivative's code small.
         only_inputs = {"is_diff_in": [False, True, False, False, False]}
-        linear, *others = (self._branch(name, only_inputs) for name in CREEP_LAWS)
+        branches = [self._branch(law, rotation, only_inputs) for law in CREEP_LAWS]
+        linear, *others = branches
         chosen = ca.Function.conditional("by_law", others, linear)
         x, u, p, d, lookup = linear.mx_in()
         law = p[[parameter.name for parameter in self.parameters].index(self.switch)]
         y = chosen(law - 2, x, u, p, d, lookup)  # any other number: the last, linear
-        return ca.Function("outputs", [x, u, p, d, lookup], [y])
+        return ca.Function(name, [x, u, p, d, lookup], [y])
 
     def event_indicators(
         self, x: Signals, u: Signals, p: Signals, d: Signals, mode: Signals
@@ -161,24 +179,46 @@ class WheelRail(Block):
             for side, sign in SIDES.items()
         }
 
-    def _branch(self, law: str, options: dict[str, Any] | None = None) -> ca.Function:
-        kind: Any = ca.MX if law == "fastsim" else ca.SX  # the grid stays a loop in C
-        x, lookup = kind(0, 1), kind(0, 0)
+    def _branch(
+        self, name: str, rotation: Rotation, options: dict[str, Any] | None = None
+    ) -> ca.Function:
+        """Outputs under one creep law, with the wheelset's rotation found in this way."""
+        law = LAWS.get(name)
+        kind: Any = ca.MX if name == "fastsim" else ca.SX  # the grid stays a loop in C
+        x, lookup = ca.MX(0, 1), ca.MX(0, 0)
+        u, p = (ca.MX.sym(n, len(v)) for n, v in (("u", self.inputs), ("p", self.parameters)))
+        d = ca.MX.sym("d", len(self.derived_shapes))
+        common = ca.MX(0)
+        if law:
+            wheels = self._of_signals("wheels", ca.SX, _wheels)(u, p, d)
+            common = rotation(law, kind)(*wheels)
+        forces = self._of_signals(name, kind, partial(self._outputs, law), "common")
+        return ca.Function(name, [x, u, p, d, lookup], [forces(u, p, d, common)], options or {})
+
+    def _of_signals(self, name: str, kind: Any, function: Callable[..., Any], *more: str) -> Any:
+        """CasADi function of u, p, d and further symbols, out of one of their signals."""
         u, p = (kind.sym(n, len(v)) for n, v in (("u", self.inputs), ("p", self.parameters)))
-        d = kind.sym("d", len(self.derived_shapes))
-        y = self._outputs(
-            LAWS.get(law),
+        d, further = kind.sym("d", len(self.derived_shapes)), [kind.sym(n) for n in more]
+        found = function(
             _by_name((port.name for port in self.inputs), u),
             _by_name((parameter.name for parameter in self.parameters), p),
             _by_name(self.derived_shapes, d),
+            *further,
         )
-        outputs = ca.vertcat(*(y[port.name] for port in self.outputs))
-        return ca.Function(law, [x, u, p, d, lookup], [outputs], options or {})
+        if isinstance(found, dict):
+            found = [ca.vertcat(*(found[port.name] for port in self.outputs))]
+        return ca.Function(name, [u, p, d, *further], found)
 
-    def _outputs(self, law: Law | None, u: Signals, p: Signals, d: Signals) -> Signals:
-        speed = ca.fmax(u["speed"], p["speed_floor"])
+    def _outputs(
+        self, law: Law | None, u: Signals, p: Signals, d: Signals, common: ca.SX
+    ) -> Signals:
+        """All outputs; common: the creepage of both wheels that their rotation leaves."""
         half_spacing = p["half_contact_spacing"]
-        y_rel = u["y"] - 0.5 * (u["rail_y_left"] + u["rail_y_right"])
+        y_rel, creepages = _creepages(u, p)
+        if not law:  # (22) in closed form
+            common = -u["torque"] / (
+                2 * p["rolling_radius"] * ca.fmax(p["longitudinal_creep_coefficient"], 1e-30)
+            )
         # report (5-16), (5-17), errata 2, 15: gravity restores with the weight itself
         gravity = -p["gravity_factor"] * p["axle_load"] * p["conicity"] / half_spacing * y_rel
         force_y = gravity
@@ -186,15 +226,11 @@ class WheelRail(Block):
         y: dict[str, ca.SX] = {}
         for side, sign in SIDES.items():
             off_rail = u["y"] - u[f"rail_y_{side}"]
-            # report (5-7), (5-13), errata 3, 6: opposite signs left and right
-            creep_x = -sign * (
-                p["conicity"] * off_rail / p["rolling_radius"] + half_spacing * u["wz"] / speed
-            )
-            creep_y = u["vy"] / speed - u["yaw"]  # report (5-11), erratum 1
+            creep_x, creep_y, spin = creepages[side]
+            creep_x += common
             if law:
-                spin = u["wz"] / speed - sign * p["conicity"] / p["rolling_radius"]
                 contact, grip = loaded_contact(
-                    (creep_x, creep_y, spin), speed, u[f"load_{side}"], p, d
+                    (creep_x, creep_y, spin), _speed(u, p), u[f"load_{side}"], p, d
                 )
                 force_x, creep_force_y, spin_moment = (grip * force for force in law(contact))
                 moment_z += spin_moment
@@ -214,14 +250,55 @@ class WheelRail(Block):
                 f"{side}.creep_y": creep_y,
                 f"{side}.l_over_v": outward / load,
                 f"{side}.saturation": resultant / (p["friction_coefficient"] * load),
+                f"{side}.load_ratio": u[f"load_{side}"] / (0.5 * p["axle_load"]),
             }
-        return {"force_y": force_y, "moment_z": moment_z, **y, "y_rel": y_rel}
+        floor_ratio = p["speed_floor"] / ca.fmax(u["speed"], 1e-3 * p["speed_floor"])
+        return {
+            "force_y": force_y,
+            "moment_z": moment_z,
+            **y,
+            "y_rel": y_rel,
+            "floor_ratio": floor_ratio,
+        }
 
     def _flange(self, sign: int, off_rail: ca.SX, u: Signals, p: Signals) -> ca.SX:
         """Force of one rail on the flange, (6): elastic, damped in proportion, never pulling."""
         overlap = ca.fmax(_overlap(sign, off_rail, p), 0)
         damped = ca.fmax(1 + p["flange_damping"] * sign * u["vy"], 0)
         return -sign * p["flange_stiffness"] * overlap * damped
+
+
+def _speed(u: Signals, p: Signals) -> ca.SX:
+    """The speed of the creepages [m/s]."""
+    return ca.fmax(u["speed"], p["speed_floor"])
+
+
+def _creepages(u: Signals, p: Signals) -> tuple[ca.SX, dict[str, tuple[ca.SX, ca.SX, ca.SX]]]:
+    """y_rel [m], and creepages x, y [1] and spin [1/m] of each wheel, (1), (2), (9).
+
+    The longitudinal ones are those of a wheelset that turns at V/r_0.
+    """
+    speed, half_spacing = _speed(u, p), p["half_contact_spacing"]
+    y_rel = u["y"] - 0.5 * (u["rail_y_left"] + u["rail_y_right"])
+    creep_y = u["vy"] / speed - u["yaw"]  # report (5-11), erratum 1
+    found = {}
+    for side, sign in SIDES.items():
+        # report (5-7), (5-13), errata 3, 6: opposite signs left and right
+        creep_x = -sign * (
+            p["conicity"] * y_rel / p["rolling_radius"] + half_spacing * u["wz"] / speed
+        )
+        spin = u["wz"] / speed - sign * p["conicity"] / p["rolling_radius"]
+        found[side] = creep_x, creep_y, spin
+    return y_rel, found
+
+
+def _wheels(u: Signals, p: Signals, d: Signals) -> list[ca.SX]:
+    """What `common_creepage` needs: both contacts, their grips, the net force wanted [N]."""
+    speed, (_, creepages) = _speed(u, p), _creepages(u, p)
+    loaded = [loaded_contact(creepages[s], speed, u[f"load_{s}"], p, d) for s in SIDES]
+    contacts = [ca.vertcat(*vars(contact).values()) for contact, _ in loaded]
+    grips = ca.vertcat(*(grip for _, grip in loaded))
+    return [ca.horzcat(*contacts), grips, u["torque"] / p["rolling_radius"]]
 
 
 def _overlap(sign: int, off_rail: ca.SX, p: Signals) -> ca.SX:

@@ -36,7 +36,7 @@ def _solve(values: Values) -> tuple[Table, Table]:
     results: Table = {}
     for side, sign in SIDES.items():
         off = u["y"] - u[f"rail_y_{side}"]
-        creep_x = -sign * (conicity * off / radius + half * u["wz"] / u["speed"])
+        creep_x = -sign * (conicity * y_rel / radius + half * u["wz"] / u["speed"])
         creep_y = u["vy"] / u["speed"] - u["yaw"]
         force_x = -values["longitudinal_creep_coefficient"] * creep_x
         force_y = -values["lateral_creep_coefficient"] * creep_y
@@ -54,13 +54,15 @@ def _solve(values: Values) -> tuple[Table, Table]:
             f"{side}.l_over_v": -sign * (force_y + flange + gravity / 2) / load,
             f"{side}.saturation": np.hypot(force_x, force_y)
             / (values["friction_coefficient"] * load),
+            f"{side}.load_ratio": load / (values["axle_load"] / 2),
         }
     ends = TIMES[1:]
     starts = ends - PLATEAU + STEP
     both = np.column_stack([starts, ends]).ravel()
     stimuli = {"time": both, **{name: np.repeat(value, 2) for name, value in u.items()}}
     head = {"time": ends, "force_y": force, "moment_z": moment}
-    return stimuli, {**head, **results, "y_rel": y_rel}
+    floor_ratio = values["speed_floor"] / u["speed"]
+    return stimuli, {**head, **results, "y_rel": y_rel, "floor_ratio": floor_ratio}
 
 
 EXPERIMENT = Experiment(

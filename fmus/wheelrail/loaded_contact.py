@@ -6,7 +6,6 @@ import casadi as ca
 
 from ..describe.block import Signals
 from .creep import Contact
-from .creep.contact import TINY
 from .hertz import semi_axes
 from .kalker import coefficients
 
@@ -61,7 +60,7 @@ def loaded_contact(
         creep_x=creep_x,
         creep_y=creep_y,
         spin=spin,
-        slip=speed * ca.sqrt(creep_x**2 + creep_y**2 + TINY**2),
+        speed=speed,
         a=size * d["a"],
         b=size * d["b"],
         f11=size**2 * d["f11"],

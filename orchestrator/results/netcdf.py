@@ -75,7 +75,7 @@ class ResultsFile:
                     "another folder"
                 )
             new.write_bytes(classic.packed())
-            os.replace(new, path)  # who reads the old file goes on reading it
+            new.replace(path)  # who reads the old file goes on reading it
             self._open()
         except OSError as error:
             with suppress(OSError):

@@ -15,7 +15,7 @@ from fmus import BLOCKS
 from fmus.catalogue import fmu_path
 from fmus.describe.parameters import DEFAULT_SET, parameter_set
 from fmus.describe.twin import Twin
-from fmus.names import FMI_VERSIONS, NAMES
+from fmus.names import FMI_VERSIONS
 from orchestrator import Component, System, simulate
 from support.engines import STEP, STEPS
 
@@ -70,22 +70,16 @@ def test_constant_inputs_give_what_our_orchestrator_gives_to_the_last_bit(block_
         assert np.array_equal(ours.dataset[f"alone.{name}"], values), name
 
 
-@pytest.mark.parametrize(
-    ("block_name", "with_rates"),
-    [*((name, False) for name in NAMES), ("wheelrail", True)],
-    # FMPy hands on the rates of nine inputs, no more and no fewer: only the wheelset has nine.
-)
-def test_inputs_that_vary_give_what_the_python_twin_gives(block_name, with_rates):
+def test_inputs_that_vary_give_what_the_python_twin_gives(block_name):
     ramps = Ramps(block_name)
     table = ramps.table()
-    theirs = fmpy_run(block_name, ramps.outputs, input=table, set_input_derivatives=with_rates)
+    theirs = fmpy_run(block_name, ramps.outputs, input=table)
     block = BLOCKS[block_name]()
     twin = Twin(block, parameter_set(DEFAULT_SET).values(block))
 
     def give(time: float) -> None:
-        for name, value, rate in zip(ramps.names, ramps.at(time), ramps.rate, strict=True):
+        for name, value in zip(ramps.names, ramps.at(time), strict=True):
             twin.set(name, value)
-            twin.set_rate(name, rate if with_rates else 0.0)
 
     give(0.0)
     twin.initialize()

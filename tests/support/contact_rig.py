@@ -56,14 +56,14 @@ class ContactRig:
         creep_x: float = 0.0,
         creep_y: float = 0.0,
         spin: float = 0.0,
-        slip: float = 0.0,
+        speed: float = 0.0,
         **grid: Any,
     ) -> np.ndarray:
         """force_x, force_y and moment (3,), over mu N [1, 1, m].
 
-        creepages [1], spin [1/m], slip [m/s]; grid: `strips` and `points` of FASTSIM.
+        creepages [1], spin [1/m], speed [m/s]; grid: `strips` and `points` of FASTSIM.
         """
-        motion = {"creep_x": creep_x, "creep_y": creep_y, "spin": spin, "slip": slip}
+        motion = {"creep_x": creep_x, "creep_y": creep_y, "spin": spin, "speed": speed}
         values = {**vars(self), **self.coefficients, **motion}
         contact = Contact(**{name: ca.SX(values[name]) for name in Contact.__dataclass_fields__})
         forces = LAWS[law](contact, **grid)

@@ -3,10 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
 
-from orchestrator import Description, PortMap, Profile, System, Value, describe, read_profile
+from orchestrator import (
+    Connection,
+    Description,
+    PortMap,
+    Profile,
+    System,
+    Value,
+    describe,
+    read_profile,
+)
 
 from ..errors import HopperError, choices
 from .hopper import layout_of
@@ -56,7 +66,11 @@ def swapped(
     ]
     if ports is not None and ports.rates:
         notes.append(f"{label}: {differentiated(ports)}")
-    return replace(swap, components=components), notes
+    optional = set(layout_of(system).optional_connections())
+    connections = tuple(
+        c for c in swap.connections if c not in optional or not _ends_in(c, instance, absent)
+    )
+    return replace(swap, components=components, connections=connections), notes
 
 
 def driven(system: System, instance: str, name: str, table: str) -> tuple[System, Profile]:
@@ -86,9 +100,17 @@ def seen(
 
 def connected_ports(system: System, instance: str) -> set[str]:
     """Names of the variables that an FMU standing in for `instance` must have."""
-    ends = [end for c in system.connections for end in (c.source, c.target)]
+    optional = set(layout_of(system).optional_connections())
+    needed = (c for c in system.connections if c not in optional)
+    ends = [end for c in needed for end in (c.source, c.target)]
     owned = (end.partition(".")[::2] for end in ends)
     return {name for owner, name in owned if owner == instance}
+
+
+def _ends_in(connection: Connection, instance: str, ports: Collection[str]) -> bool:
+    """Whether an end is one of these ports of the instance."""
+    ends = (end.partition(".")[::2] for end in (connection.source, connection.target))
+    return any(owner == instance and name in ports for owner, name in ends)
 
 
 def differentiated(ports: PortMap) -> str:

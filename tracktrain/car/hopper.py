@@ -75,7 +75,7 @@ def hopper_car(
             instance: Component(fmu_path(block), values[block])
             for instance, block in layout.blocks.items()
         },
-        connections=tuple(layout.connections()),
+        connections=(*layout.connections(), *layout.optional_connections()),
         bonds=tuple(layout.bonds()),
     )
 

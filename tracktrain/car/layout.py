@@ -159,7 +159,7 @@ class Layout:
         return found
 
     def connections(self) -> Iterator[Connection]:
-        """What the instances exchange."""
+        """What the instances must exchange."""
         rails = (f"{self.track}.axle[{n}]" for n in range(1, len(self.axles) + 1))
         for truck in self.trucks:
             plate, car = self.plate(truck), f"{truck.instance}.car"
@@ -177,6 +177,14 @@ class Layout:
                     yield Connection(f"{rail}.rail_y_{side}", f"{axle.wheelset}.rail_y_{side}")
                     yield Connection(f"{rail}.rail_z_{side}", f"{axle.port}.rail_z_{side}")
                 yield Connection(self.speed, f"{axle.wheelset}.speed")
+
+    def optional_connections(self) -> Iterator[Connection]:
+        """What they exchange where both ends have it: the accelerations of the rails."""
+        for number, axle in enumerate(self.axles, start=1):
+            for side in SIDES:
+                acceleration = f"rail_az_{side}"
+                rail = f"{self.track}.axle[{number}]"
+                yield Connection(f"{rail}.{acceleration}", f"{axle.port}.{acceleration}")
 
     def bonds(self) -> Iterator[PowerBond]:
         """Each force or moment with the velocity that it works on."""

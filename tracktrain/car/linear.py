@@ -259,13 +259,14 @@ def _jacobian(layout: Layout, p: Mapping[str, ca.SX], speed: ca.SX, law: int) ->
             return speed if name == layout.speed else ca.SX(0)
         block = _block(layout, instance)
         # Of a block with a choice of laws the one that is chosen: only that has plain expressions.
-        laws = block.output_branches()
-        function = laws[law - 1] if block.switch else laws[0]
+        laws = block.output_branches() if block.switch else []
+        function = laws[law - 1] if laws else block.functions.outputs
         place = [port.name for port in block.outputs].index(variable)
         row = function.jac_sparsity(0, 1).T
         needed = frozenset(row.row()[row.colind()[place] : row.colind()[place + 1]])
         if (instance, needed) not in known:
-            known[instance, needed] = function.expand()(*arguments(instance, needed), ca.SX(0, 0))
+            found = function.expand().call([*arguments(instance, needed), ca.SX(0, 0)])
+            known[instance, needed] = found[0]
         return known[instance, needed][place]
 
     rates = []

@@ -19,6 +19,7 @@ from plotly.offline import get_plotlyjs
 from orchestrator import Provenance
 
 from ..assessment import assess
+from ..car.validity import departures
 from ..errors import TracktrainError
 from . import content, motion, series
 from .packing import compressed, packed
@@ -54,7 +55,7 @@ def page(dataset: xr.Dataset, bonds: pd.DataFrame | None = None) -> str:
         facts=content.facts(dataset, table, bonds),
         parameters=content.parameters(dataset),
         fmus=content.fmus(dataset),
-        notes=provenance.notes,
+        notes=[*provenance.notes, *map(str, departures(dataset))],
         versions=provenance.versions,
         assessment=table.reset_index().to_dict("records"),
         bonds=None if bonds is None else bonds.reset_index().to_dict("records"),

@@ -112,7 +112,14 @@ Status refresh_outputs(Instance *instance) {
     common_arguments(instance, s->x, inputs(s));
     instance->arg[4] = instance->lookup;
     instance->res[0] = outputs_of(s);
+#if HAS_MARGIN
+    double margin;
+    instance->res[1] = &margin;
     CALL(outputs);
+    if (margin < 0.0) CALL(outputs_beyond);
+#else
+    CALL(outputs);
+#endif
     s->outputs_stale = 0;
     return OK;
 }
@@ -207,7 +214,14 @@ Status core_advance(Instance *instance, double time, double size, long count) {
         instance->arg[5] = &micro;
         instance->res[0] = end;
         instance->res[1] = end + N_STATES;
+#if HAS_MARGIN
+        double margin;
+        instance->res[2] = &margin;
         CALL(step);
+        if (margin < 0.0) CALL(step_beyond);
+#else
+        CALL(step);
+#endif
         x = end;
         u = end + N_STATES;
     }

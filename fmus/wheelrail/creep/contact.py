@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
@@ -16,7 +16,7 @@ class Contact:
     """Creepages and spin of the wheel over the rail, and what resists them.
 
     creep_x, creep_y: creepages [1]; spin: spin creepage [1/m] about the upward normal
-    slip: creep velocity [m/s]
+    speed: of the vehicle [m/s]
     a, b: semi-axes of the contact ellipse [m] along and across rolling
     f11, f22 [N], f23 [N.m], f33 [N.m2]: Kalker's creep coefficients for this ellipse
     load: normal force [N], above zero; friction: friction coefficient
@@ -29,7 +29,7 @@ class Contact:
     creep_x: ca.SX
     creep_y: ca.SX
     spin: ca.SX
-    slip: ca.SX
+    speed: ca.SX
     a: ca.SX
     b: ca.SX
     f11: ca.SX
@@ -43,6 +43,15 @@ class Contact:
     slip_reduction: ca.SX
     friction_ratio: ca.SX
     friction_decay: ca.SX
+
+    @property
+    def slip(self) -> ca.SX:
+        """Creep velocity [m/s]."""
+        return self.speed * ca.sqrt(self.creep_x**2 + self.creep_y**2 + TINY**2)
+
+    def rolling(self, creepage: ca.SX) -> Contact:
+        """The same contact of a wheel that rolls slower by a longitudinal creepage."""
+        return replace(self, creep_x=self.creep_x + creepage)
 
 
 Law = Callable[[Contact], tuple[ca.SX, ca.SX, ca.SX]]

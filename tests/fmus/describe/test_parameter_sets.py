@@ -60,6 +60,7 @@ def test_the_empty_car_differs_from_the_loaded_one_where_it_should(values_of):
         "lateral_bending_frequency",
         "vertical_bending_frequency",
         "axle_load",
+        "centre_plate_weight",
         "centre_plate_lateral.friction_limit",
         "centre_plate_yaw.friction_limit",
         "longitudinal_creep_coefficient",
@@ -74,7 +75,7 @@ def test_the_empty_cars_centre_plate_friction_scales_with_the_body_weight(values
         assert next(limits) == pytest.approx(weight * next(limits), rel=1e-12)
 
 
-def test_report_linear_has_stiffer_creep_and_no_flange(values_of):
+def test_report_linear_has_stiffer_creep_no_flange_and_a_plate_that_holds(values_of):
     linear = values_of("wheelrail", "report-linear")
     changed = {n: v for n, v in values_of("wheelrail").items() if linear[n] != v}
     assert set(changed) == {
@@ -84,8 +85,9 @@ def test_report_linear_has_stiffer_creep_and_no_flange(values_of):
     }
     assert linear["flange_stiffness"] == 0.0
     assert linear["lateral_creep_coefficient"] == pytest.approx(2.5e6 * LBF, rel=1e-14)
-    for block in ("carbody", "truck"):
-        assert values_of(block, "report-linear") == values_of(block)
+    assert values_of("carbody", "report-linear") == values_of("carbody")
+    bilateral = values_of("truck") | {"centre_plate_contact": 2.0}
+    assert values_of("truck", "report-linear") == bilateral
 
 
 def test_the_loads_on_the_rails_carry_the_car(values_of):

@@ -20,7 +20,8 @@ EXPECTED = {
     },
     "truck": {
         "q": (6,), "qd": (6,), "der(qd)": (6,), "spring": (6,), "friction": (6,), "slip": (6,),
-        INDICATORS: (12,),
+        "strain_ratio": (6,),
+        INDICATORS: (16,),
     },
     "wheelrail": {INDICATORS: (2,)},
     "track": {f"rail_{axis}_{side}": (4,) for axis in "yz" for side in ("left", "right")},

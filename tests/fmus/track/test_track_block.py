@@ -29,7 +29,7 @@ def run(twin, count):
         twin.step(STEP)
         y = twin.outputs()
         stations.append(y[0])
-        rails.append(y[2:].reshape(4, 4))
+        rails.append(y[2:18].reshape(4, 4))
     return np.array(stations), np.array(rails)
 
 
@@ -38,7 +38,7 @@ def rails_at(values, distance):
     twin = track_twin(values)
     twin.set("speed", distance)
     twin.step(1.0)
-    return twin.outputs()[2:].reshape(4, 4)
+    return twin.outputs()[2:18].reshape(4, 4)
 
 
 @pytest.mark.parametrize("axle", [2, 3, 4])
@@ -112,7 +112,23 @@ def test_track_is_a_function_of_distance_whatever_the_speed():
         for _ in range(count):
             twin.step(STEP)
     assert slow.get("distance") == pytest.approx(10.0, rel=1e-12)
-    assert slow.outputs()[2:] == pytest.approx(fast.outputs()[2:], abs=1e-12)
+    assert slow.outputs()[2:18] == pytest.approx(fast.outputs()[2:18], abs=1e-12)
+    # the rails rise by the square of the speed faster
+    assert 100.0 * slow.outputs()[18:] == pytest.approx(fast.outputs()[18:], abs=1e-9)
+
+
+def test_accelerations_are_those_of_the_rails_under_a_steady_speed():
+    twin = track_twin(track_values("fra1", fade_length=5.0), speed=20.0)
+    step, heights, accelerations = 1e-4, [], []
+    for _ in range(4000):
+        twin.step(step)
+        y = twin.outputs()
+        heights.append(y[2:18].reshape(4, 4)[:, 2:])
+        accelerations.append(y[18:].reshape(4, 2))
+    bends = np.diff(heights, 2, axis=0) / step**2
+    found = np.array(accelerations)[1:-1]
+    assert np.abs(found).max() > 1.0
+    assert bends == pytest.approx(found, abs=1e-3 * np.abs(found).max())
 
 
 def test_backing_off_beyond_the_start_is_perfect_track():
@@ -129,7 +145,11 @@ def test_speed_is_passed_through_and_moves_nothing_at_once():
     run(twin, 200)
     change = twin.directional({"speed": 1.0})[: len(twin.block.outputs)]
     names = [output.name for output in block.outputs]
-    assert dict(zip(names, change, strict=True)) == dict.fromkeys(names, 0.0) | {"speed_out": 1.0}
+    by_name = dict(zip(names, change, strict=True))
+    for name in names:
+        if "rail_az" in name:  # the square of the speed, halfway along
+            assert by_name.pop(name) == pytest.approx(2 * twin.get(name) / twin.get("speed_out"))
+    assert by_name == dict.fromkeys(by_name, 0.0) | {"speed_out": 1.0}
 
 
 def test_rails_have_continuous_slope_across_nodes_and_pages():

@@ -82,13 +82,14 @@ def test_results_hold_every_output_of_the_port_table_in_its_unit(dataset: xr.Dat
     assert found == expected
 
 
-def test_results_hold_every_output_and_the_input_that_nothing_drives(dataset: xr.Dataset) -> None:
+def test_results_hold_every_output_and_the_inputs_that_nothing_drives(dataset: xr.Dataset) -> None:
     outputs = {
         f"{instance}.{port.name}"
         for instance, block in HOPPER.blocks.items()
         for port in BLOCKS[block].outputs
     }
-    assert set(dataset.data_vars) == outputs | {"track.speed"}
+    torques = {f"{wheelset}.torque" for wheelset in HOPPER.instances("wheelrail")}
+    assert set(dataset.data_vars) == outputs | torques | {"track.speed"}
 
 
 def test_results_hold_every_macro_step(dataset: xr.Dataset) -> None:

@@ -15,6 +15,7 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
 
 import orchestrator
 
+from ...car.validity import departures
 from ...failures import Stopped, termination_as_interrupt
 from ...options.chosen import (
     CAR_ONLY,
@@ -135,7 +136,8 @@ def command(
     if result.completed:
         shutil.rmtree(folder / FMUS_OF_CHECKPOINT, ignore_errors=True)
     if not quiet:
-        _print(result, [*result.notes, *lost], folder)
+        outside = [str(departure) for departure in departures(result.dataset)]
+        _print(result, [*result.notes, *outside, *lost], folder)
     if not result.completed:
         message = result.message or "the run stopped early"
         hint = f"; go on with --resume {folder}" if how["checkpoint"] or resume else ""

@@ -170,7 +170,7 @@ assert not [place for place in sys.path if "resources" in place]
     forces, counts = map(json.loads, run_script(script, tmp_path).splitlines())
     assert forces[0] == forces[1] != 0.0
     assert forces[2:] == pytest.approx([2.0 * forces[0]] * 2, rel=1e-12)
-    assert counts == [40, 40, 18, 18]
+    assert counts == [51, 51, 26, 26]
 
 
 def with_creep_doubled(original: Path, folder: Path) -> Path:
