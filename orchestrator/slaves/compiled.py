@@ -1,32 +1,41 @@
-"""Where numba keeps what it compiled: one way for all compiled code of this package.
+"""Where compiled code is kept for later processes: one way for all of this package.
 
 numba looks at the source of a function alone to tell whether what it keeps is up to date. Compiled
 code also holds the functions that it calls and the constants that it was compiled with, of whatever
-module. So the folder of what is kept is named after all of these.
+module. So the folder of what is kept is named after all of these. numba's own files also have an
+index, which processes that begin at once write over each other's, and trust what they hold. Here a
+file holds one signature, appears as a whole, and is compiled anew where its checksum says that it
+is damaged.
 """
 
 from __future__ import annotations
 
 import hashlib
-import os
+import pickle
 import re
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from enum import Enum
 from functools import cache, cached_property
 from pathlib import Path
 from types import ModuleType
 from typing import Any
+from uuid import uuid4
 
+import numba
 import numpy as np
-from numba import cfunc
 from numba import config as numba_config
+from numba.core.ccallback import CFunc
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
+from numba.core.sigutils import normalize_signature
 from platformdirs import user_cache_path
 
 from .abi import FUNCTIONS, Addresses
 
 PACKAGE = __name__.partition(".")[0]
+_CHECKSUM = hashlib.sha256().digest_size
 _COMPILES = re.compile(r"^(from |import |)numba\b", re.M)
 """What a module with compiled code says: that it imports numba, or a line that begins with it."""
 
@@ -40,12 +49,13 @@ class CFunction:
     @cached_property
     def address(self) -> int:
         """Where it is; it stays there."""
-        with kept(self._function) as keep:
-            try:
-                self._compiled: Any = cfunc(self._signature, cache=keep)(self._function)
-            except OSError:  # a full disk
-                self._compiled = cfunc(self._signature)(self._function)
-        return int(self._compiled.address)
+        arguments, result = normalize_signature(self._signature)
+        self._compiled: Any = CFunc(self._function, (arguments, result), locals={}, options={})
+        keep(self._compiled, self._function)
+        self._compiled.compile()
+        address = self._compiled.address
+        assert address is not None
+        return address
 
 
 def c_function(signature: str) -> Callable[[Callable[..., Any]], CFunction]:
@@ -70,35 +80,54 @@ class Adaptors:
         return Addresses(instance, *(self._functions[name].address for name in FUNCTIONS))
 
 
-@contextmanager
-def kept(function: Callable[..., Any]) -> Iterator[bool]:
-    """While it lasts, `function` is compiled for later processes too; False where it cannot be."""
-    folder = user_cache_path("tracktrain") / "macro_loops" / fingerprint(function)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        keep = os.access(folder, os.W_OK)
-    except OSError:  # without a place of its own each process compiles anew
-        keep = False
-    config: Any = numba_config
-    previous = config.CACHE_DIR
-    config.CACHE_DIR = previous or str(folder)
-    try:
-        yield keep
-    finally:
-        config.CACHE_DIR = previous
+def keep(compiled: Any, function: Callable[..., Any]) -> None:
+    """Have what numba compiles of a function kept for later processes."""
+    compiled._cache = Kept(function)
 
 
-def saved_if_there_is_room(compiled: Any) -> Any:
-    """Let a function of numba be used although a full disk does not take what was compiled."""
-    cache = compiled._cache
-    save = cache.save_overload
+class Kept:
+    """What numba asks for compiled code, and hands what it compiled; by signature, a file each.
 
-    def save_overload(signature: Any, data: Any) -> None:
-        with suppress(OSError):
-            save(signature, data)
+    A file begins with the checksum of the rest. One that cannot be read or written counts as none.
+    """
 
-    cache.save_overload = save_overload
-    return compiled
+    def __init__(self, function: Callable[..., Any]) -> None:
+        config: Any = numba_config
+        root = config.CACHE_DIR or user_cache_path("tracktrain") / "macro_loops"
+        self.cache_path = str(Path(root) / fingerprint(function))
+        self._name = function.__qualname__
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        """What was compiled for a signature; None if there is nothing."""
+        context.refresh()
+        with suppress(Exception):  # of whatever kind the damage is
+            whole = self._place(signature, context.codegen()).read_bytes()
+            if whole[:_CHECKSUM] == hashlib.sha256(whole[_CHECKSUM:]).digest():
+                return CompileResult._rebuild(context, *pickle.loads(whole[_CHECKSUM:]))
+        return None
+
+    def save_overload(self, signature: Any, compiled: Any) -> None:
+        """Keep what was compiled for a signature, where that can be used by another process."""
+        if compiled.library.has_dynamic_globals or compiled.lifted:
+            return
+        data = dumps(compiled._reduce())
+        with suppress(OSError):  # a full disk, or no place of its own: each process compiles anew
+            place = self._place(signature, compiled.codegen)
+            place.parent.mkdir(parents=True, exist_ok=True)
+            new = place.with_suffix(f".{uuid4().hex}")
+            try:
+                new.write_bytes(hashlib.sha256(data).digest() + data)
+                new.replace(place)
+            finally:
+                new.unlink(missing_ok=True)
+
+    def flush(self) -> None:
+        """Numba asks for it where a function is to be compiled anew."""
+
+    def _place(self, signature: Any, codegen: Any) -> Path:
+        tools = (numba.__version__, sys.implementation.cache_tag, codegen.magic_tuple())
+        key = hashlib.sha256(repr((self._name, signature, tools)).encode()).hexdigest()
+        return Path(self.cache_path) / f"{self._name}-{key[:16]}.code"
 
 
 def fingerprint(function: Callable[..., Any]) -> str:

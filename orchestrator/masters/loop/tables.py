@@ -20,7 +20,7 @@ from ...plan.plan import Plan
 from ...slaves import calls as ffi
 from ...slaves.abi import Addresses
 from ...slaves.base import Slave
-from ...slaves.compiled import kept, saved_if_there_is_room
+from ...slaves.compiled import keep
 from .arrays import Ints, References, addresses, ints
 from .record import Record, row_address
 
@@ -45,10 +45,10 @@ def macro_loop(function: Callable[..., None]) -> Any:
     `table = refresh.unknowns`, `table.value[n] = ...`, with `at` inlined): numba reads the blocks
     of the function out of order then, takes the writes for dead, and leaves them out.
     """
-    with kept(function) as keep:
-        options: dict[str, Any] = {"cache": keep, "nogil": True, "_nrt": False}
-        compiled = njit(**options)(function)
-    return saved_if_there_is_room(compiled) if keep else compiled
+    options: dict[str, Any] = {"nogil": True, "_nrt": False}
+    compiled = njit(**options)(function)
+    keep(compiled, function)
+    return compiled
 
 
 class Calls(NamedTuple):
