@@ -203,6 +203,8 @@ class Slave(ABC):
     def heard(self, status: int, text: str, time: float | None = None) -> None:
         """Keep what the FMU logged, at a time [s] that others need not know, and pass it on."""
         text = plain(text)
+        if not Status.OK <= status <= Status.PENDING:
+            status = Status.ERROR
         if status != Status.OK:
             self.messages.append(text)
             del self.messages[:-50]

@@ -10,10 +10,12 @@ import sys
 from dataclasses import asdict
 from pathlib import Path
 
+from ..slaves.isolated.lifeline import end_with_parent
 from ..system.encoding import decode
 from .self_test import self_test
 
 if __name__ == "__main__":
+    end_with_parent()
     asked, answered = map(Path, sys.argv[1:])
     for component in decode(json.loads(asked.read_text())):
         found = self_test(component)

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from platformdirs import user_cache_path
 
+from ..errors import plain
 from ..plan.plan import component_description
 from ..slaves.isolated.slave import cause
 from ..system.encoding import encode
@@ -74,15 +75,26 @@ def _run(asked: Path, answered: Path, timeout: float) -> str:
     """Run the process; how it failed, or nothing."""
     command = [sys.executable, "-m", f"{__package__}", str(asked), str(answered)]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
-    try:
-        done = subprocess.run(
-            command, env=environment, capture_output=True, timeout=timeout, check=False
-        )
-    except subprocess.TimeoutExpired:
-        return f"its self-test did not end within {timeout:g} s"
-    said = done.stderr.decode(errors="replace").strip().splitlines()
-    more = f": {said[-1]}" if said else ""
-    return f"its self-test crashed ({cause(done.returncode)}){more}"
+    text = asked.with_name("said.txt")
+    with (
+        text.open("wb") as stream,
+        subprocess.Popen(
+            command,
+            env=environment,
+            stdin=subprocess.PIPE,  # see `end_with_parent`
+            stdout=subprocess.DEVNULL,
+            stderr=stream,
+            start_new_session=True,
+        ) as process,
+    ):
+        try:
+            process.wait(timeout)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            return f"its self-test did not end within {timeout:g} s"
+    said = text.read_text(errors="replace").strip().splitlines()
+    more = f": {plain(said[-1])}" if said else ""
+    return f"its self-test crashed ({cause(process.returncode)}){more}"
 
 
 def _place(sha256: str) -> Path:

@@ -8,7 +8,7 @@ from orchestrator import Component, System
 from support.native_slaves import FIXED, archive, body, description, library, variable
 
 SOURCE = Path(__file__).parent / "slaves" / "mishap.c"
-KINDS = ("none", "crash", "abort", "hang", "exit", "babble", "endless", "log")
+KINDS = ("none", "crash", "abort", "hang", "exit", "babble", "endless", "log", "escape", "garbage")
 PORTS = body(
     [
         variable("u", "input", '<Real unit="s" start="0"/>'),

@@ -25,7 +25,7 @@ REQUEST = len(NAMES)
 """Stands in CALL for a request."""
 
 REQUESTS = {
-    "attach": "loading it",
+    "attach": "starting",
     "load": "loading it",
     "set_value": "setting {0.name}",
     "start": "entering initialization",

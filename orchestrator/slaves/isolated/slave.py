@@ -38,12 +38,15 @@ from .adaptors import adaptors
 KEPT = 2000
 """Characters of what an FMU prints that are kept, the last ones."""
 
+LONGEST_LINE = 1 << 20
+"""Bytes of a line of the log above which it is none."""
+
 START = 60.0
-"""Wall time [s] that a worker has at least to start and load its FMU."""
+"""Wall time [s] that a worker has to start, and to compile what stands before its FMU."""
 
 
 class IsolatedSlave(Slave):
-    """An FMU's instance in a worker; `timeout` [s] of wall time for each call.
+    """An FMU's instance in a worker; `timeout` [s] of wall time to load it, and for each call.
 
     The worker starts at once and loads the FMU meanwhile; `ready` waits for it.
     """
@@ -63,7 +66,7 @@ class IsolatedSlave(Slave):
         self._printed = b""
         self._heard_lines = 0
         self._remarks: list[str] = []
-        self._doing = p.REQUESTS["load"]
+        self._doing = p.REQUESTS["attach"]
         self._signals, theirs = socket.socketpair()
         control, their_control = socket.socketpair()
         self._control = Connection(control.detach())
@@ -89,13 +92,14 @@ class IsolatedSlave(Slave):
         )
         self._reader.start()
         self._share()
-        self._ask("load", name, description, folder)
+        self._ask("load", name, folder)
 
     def ready(self) -> None:
         """Wait until the FMU is loaded; raises SlaveError."""
         try:
-            self._answer(START)  # it has the memory
             self._answer(max(START, self._timeout))
+            self._doing = p.REQUESTS["load"]
+            self._answer(self._timeout)
         finally:
             self._file.unlink(missing_ok=True)
         self._doing = ""
@@ -197,7 +201,7 @@ class IsolatedSlave(Slave):
         slots[p.TIMEOUT] = max(1, round(1e3 * self._timeout))
         self.addresses = adaptors.in_front_of(slots.ctypes.data)
         self._file = Path(path)
-        self._ask("attach", self._file)
+        self._ask("attach", self._file, self.description)
 
     def _do(self, method: str, *given: Any) -> tuple[Any, bytes]:
         """Have the worker's slave do something of `REQUESTS`; raises SlaveError."""
@@ -221,7 +225,7 @@ class IsolatedSlave(Slave):
                 self._slots[p.FAILED] = p.HUNG
                 raise self._lost()
             said, payload = json.loads(self._control.recv_bytes()), self._control.recv_bytes()
-        except (EOFError, OSError):
+        except (EOFError, OSError, ValueError):  # also where the FMU wrote there itself
             self._slots[p.FAILED] = p.CRASHED
             raise self._lost() from None
         if "error" in said:
@@ -233,15 +237,14 @@ class IsolatedSlave(Slave):
         return SlaveError(f"{self.name} ({self.description.label}): {fault}{self.said()}")
 
     def _end(self) -> None:
-        """End the worker, if it did not end itself, and read the rest of what it said."""
+        """End the worker and all that its FMU started, and read the rest of what it said."""
         if self._process.stdin is not None and not self._process.stdin.closed:
-            self._process.stdin.close()
-        if self._slots[p.FAILED] == p.HUNG:
-            self._process.kill()
+            self._process.stdin.close()  # see `end_with_parent`
         try:
             self._process.wait(1.0)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
+        except subprocess.TimeoutExpired:  # it did not come as far as that
+            with suppress(ProcessLookupError):
+                os.killpg(self._process.pid, signal.SIGKILL)
             self._process.wait()
         self._reader.join(1.0)
 
@@ -260,11 +263,21 @@ class IsolatedSlave(Slave):
                         self._printed = (self._printed + data)[-KEPT:]
                     else:
                         *lines, rest = (rest + data).split(b"\n")
+                        rest = rest[-LONGEST_LINE:]
                         for line in lines:
-                            said = json.loads(line)
-                            self.heard(said["status"], said["text"], said["time"])
-                            self._heard_lines += 1
+                            self._take(line)
         os.close(log)
+
+    def _take(self, line: bytes) -> None:
+        """Hear a line of the log; an FMU that writes there itself is taken to have printed it."""
+        try:
+            said = json.loads(line)
+            status, text, time = said["status"], said["text"], said["time"]
+            self.heard(int(status), str(text), None if time is None else float(time))
+        except (ValueError, KeyError, TypeError):
+            self._printed = (self._printed + line + b"\n")[-KEPT:]
+        else:
+            self._heard_lines += 1
 
     def _catch_up(self) -> None:
         """Wait until all that was logged has arrived."""

@@ -1,7 +1,8 @@
 """The process of an isolated instance: loads the FMU, and does what it is told until told no more.
 
 Commands are read from shared memory by address: each hands the FMU its arrays where they are. It
-ends with the process that started it, however that ends. What the FMU prints goes to a pipe.
+ends with the process that started it, however that ends, and processes that the FMU started end
+with it. What the FMU prints goes to a pipe.
 """
 
 from __future__ import annotations
@@ -11,17 +12,18 @@ import json
 import mmap
 import os
 import socket
-import threading
 from multiprocessing.connection import Connection
 from pathlib import Path
 from struct import Struct
 from typing import Any
 
 from ...errors import OrchestratorError
+from ...fmu.description import Description
 from ..abi import DO_STEP, FUNCTIONS, Function, Role
-from ..loading import load
+from ..loading import lanes_of, load
 from ..status import fine, worse
 from . import protocol as p
+from .lifeline import end_with_parent
 
 LONGEST = 4000
 """Characters of a message that are passed on."""
@@ -29,9 +31,7 @@ LONGEST = 4000
 
 def main(signals: int, control: int, log: int) -> None:
     """Serve over a socket for signals, one for requests, and a pipe for messages."""
-    lifeline, nothing = os.dup(0), os.open(os.devnull, os.O_RDONLY)
-    os.dup2(nothing, 0)
-    threading.Thread(target=_die_with_parent, args=(lifeline,), daemon=True).start()
+    end_with_parent()
     _flush_lines()
     Worker(socket.socket(fileno=signals), Connection(control), log).serve()
 
@@ -74,14 +74,18 @@ class Worker:
         self._control.send_bytes(json.dumps(said).encode())
         self._control.send_bytes(payload)
 
-    def _attach(self, path: Path) -> None:
+    def _attach(self, path: Path, description: Description) -> None:
+        """Be ready to load the FMU, so that its own time alone counts from then on."""
+        if (lanes := lanes_of(description)) is not None:
+            lanes.bind(0, lambda function: 0)  # compiles
+        self._description = description
         with path.open("r+b") as file:
             self._memory = mmap.mmap(file.fileno(), 0)
         self._slots = memoryview(self._memory).cast("q")
         self._address = ctypes.addressof(ctypes.c_char.from_buffer(self._memory))
 
-    def _load(self, name: str, description: Any, folder: Path) -> None:
-        self._slave = load(name, description, folder, None)
+    def _load(self, name: str, folder: Path) -> None:
+        self._slave = load(name, self._description, folder, None)
         self._slave.heard = self._heard
         self._instance, *addresses = self._slave.addresses
         self._calls = [
@@ -146,12 +150,6 @@ class _Call:
             len(numbers) if a.role in writes else [*numbers, None, *given].index(a)
             for a in function.arguments
         ]
-
-
-def _die_with_parent(lifeline: int) -> None:
-    while os.read(lifeline, 1):
-        pass
-    os._exit(1)
 
 
 def _flush_lines() -> None:

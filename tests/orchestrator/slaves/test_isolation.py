@@ -90,6 +90,48 @@ def refusal(*arguments, **options) -> str:
     return str(caught.value)
 
 
+@pytest.mark.parametrize("isolate", [[], ["odd"]], ids=["here", "isolated"])
+def test_escape_sequences_of_a_log_are_shown_and_not_obeyed(tmp_path, fmu, isolate):
+    logged = []
+    run = simulate(
+        system(fmu, "escape", 0.085), duration=0.1, step=0.01, isolate=isolate, compiled=False,
+        logger=lambda *said: logged.append(said),
+    )  # fmt: skip
+    assert run.completed
+    assert {*logged} == {("odd", "warning", r"\x1b[31mred\x1b[0m next")}
+
+
+def test_garbage_in_the_log_of_an_isolated_fmu_is_no_message(fmu):
+    logged = []
+    run = simulate(
+        system(fmu, "garbage"), duration=0.1, step=0.01, isolate=["odd"], compiled=False,
+        logger=lambda *said: logged.append(said),
+    )  # fmt: skip
+    assert run.completed and logged == []
+
+
+def test_fmu_that_cannot_be_loaded_in_time(tmp_path):
+    said = refusal(system(mishap(tmp_path, "-DHANG_ON_LOAD"), "none"), isolate=["odd"], timeout=1.0)
+    assert said == "odd (mishap.fmu): its process did not return from loading it within 1 s"
+
+
+def gone(process: int) -> bool:
+    """Whether a process ends within 10 s."""
+    until = time.monotonic() + 10.0
+    while Path(f"/proc/{process}").exists() and time.monotonic() < until:
+        time.sleep(0.05)
+    return not Path(f"/proc/{process}").exists()
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks for processes in /proc")
+def test_processes_that_an_fmu_started_end_with_the_run(tmp_path, monkeypatch):
+    left = tmp_path / "left"
+    monkeypatch.setenv("MISHAP", str(left))
+    forking = mishap(tmp_path, "-DFORK_ON_LOAD")
+    simulate(system(forking, "none"), duration=0.1, step=0.1, isolate=["odd"], compiled=False)
+    assert gone(int(left.read_text()))
+
+
 def test_crash_while_the_fmu_is_loaded(tmp_path):
     said = refusal(system(mishap(tmp_path, "-DON_LOAD"), "none"), isolate=["odd"])
     assert said == (
@@ -145,15 +187,19 @@ from support.mishap import system
 from orchestrator import simulate
 def progress(t, wall):
     print(t, flush=True)
-simulate(system(Path({fmu!r}), {kind!r}), duration=1e6, step=0.01, isolate=["odd"],
+simulate(system(Path({fmu!r}), {kind!r}), duration=1e6, step=0.01, {how},
          timeout=1e6, progress=progress, out={out!r}, compiled=False)
 """
 
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks for processes in /proc")
-@pytest.mark.parametrize("kind", ["none", "hang"])
+@pytest.mark.parametrize("kind", ["none", "hang", "loading", "self-test"])
 def test_worker_dies_with_its_parent_even_when_that_is_killed(tmp_path, fmu, kind):
-    code = PARENT.format(tests=TESTS, fmu=str(fmu), out=str(tmp_path), kind=kind)
+    how = 'isolate=["odd"]'
+    if kind in ("loading", "self-test"):
+        how = how if kind == "loading" else "self_test=True"
+        fmu, kind = mishap(tmp_path, "-DHANG_ON_LOAD"), "hang"
+    code = PARENT.format(tests=TESTS, fmu=str(fmu), out=str(tmp_path), kind=kind, how=how)
     parent = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE)
     assert parent.stdout is not None
     if kind == "none":
@@ -178,10 +224,7 @@ def test_worker_dies_with_its_parent_even_when_that_is_killed(tmp_path, fmu, kin
         time.sleep(2.0)
     parent.send_signal(signal.SIGKILL)
     parent.wait()
-    until = time.monotonic() + 10.0
-    while Path(f"/proc/{worker}").exists() and time.monotonic() < until:
-        time.sleep(0.05)
-    assert not Path(f"/proc/{worker}").exists()
+    assert gone(worker)
 
 
 def test_compiled_code_that_is_kept_follows_the_constants_of_other_modules(fmu, tmp_path):

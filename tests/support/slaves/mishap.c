@@ -1,14 +1,19 @@
 /* An FMI 2.0 slave that counts time, and at the time `at` crashes, aborts, hangs, exits, babbles or
- * logs without end, as `kind` says. With -DON_LOAD it crashes while it is loaded. */
+ * logs without end, as `kind` says. With -DON_LOAD it crashes while it is loaded, with -DHANG_ON_LOAD
+ * it stays there, with -DFORK_ON_LOAD it leaves a process behind, whose number is written to the file
+ * that the environment's MISHAP names. */
+#include <fcntl.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #define EXPORT __attribute__((visibility("default")))
 enum { OK, WARNING };
 enum { U, Y, AT, KIND };
-enum { NONE, CRASH, ABORT, HANG, EXIT, BABBLE, ENDLESS, LOG };
+enum { NONE, CRASH, ABORT, HANG, EXIT, BABBLE, ENDLESS, LOG, ESCAPE, GARBAGE };
 
 typedef struct {
     void (*logger)(void *, const char *, int, const char *, const char *, ...);
@@ -27,6 +32,28 @@ static volatile int sink, *nowhere;
 __attribute__((constructor)) static void load(void) { printf("no way in\n"), *nowhere = 1; }
 #endif
 
+#ifdef HANG_ON_LOAD
+__attribute__((constructor)) static void load(void) { for (;;) sink++; }
+#endif
+
+#ifdef FORK_ON_LOAD
+__attribute__((constructor)) static void load(void) {
+    int child = fork();
+    if (!child) for (;;) pause();
+    FILE *file = fopen(getenv("MISHAP"), "w");
+    fprintf(file, "%d\n", child), fclose(file);
+}
+#endif
+
+/* Writes what is no message to every pipe that is open. */
+static void litter(void) {
+    static const char garbage[] = "\xff{garbage\n{}\n[1]\n{\"status\": 99, \"text\": 1, \"time\": []}\n";
+    struct stat found;
+    for (int fd = 3; fd < 256; fd++)
+        if (!fstat(fd, &found) && S_ISFIFO(found.st_mode) && (fcntl(fd, F_GETFL) & O_ACCMODE) == O_WRONLY)
+            write(fd, garbage, sizeof garbage - 1);
+}
+
 EXPORT int fmi2DoStep(void *c, double time, double h, int no_return) {
     Slave *s = c;
     (void)no_return;
@@ -42,6 +69,11 @@ EXPORT int fmi2DoStep(void *c, double time, double h, int no_return) {
         for (int i = 0; i < 3; i++)
             s->callbacks.logger(s->callbacks.rest[3], s->name, WARNING, "logStatusWarning", "warm");
         break;
+    case ESCAPE:
+        s->callbacks.logger(s->callbacks.rest[3], s->name, WARNING, "logStatusWarning",
+                            "\x1b[31mred\x1b[0m\nnext");
+        break;
+    case GARBAGE: litter(); break;
     }
     s->value[Y] = time + h + s->value[U];
     return OK;
