@@ -1,9 +1,9 @@
-"""Kalker's simplified theory, FASTSIM, on a fixed grid of strips, (18) to (20)."""
+"""Kalker's simplified theory, FASTSIM, with Carter's tractions along each strip, (18) to (20)."""
 
 from __future__ import annotations
 
-import math
 from functools import cache
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -15,64 +15,117 @@ POINTS = 10
 """Points of a strip."""
 
 
+class _Grid(NamedTuple):
+    """Strips at `y` and points at `z`, over the semi-axis and the strip's half length.
+
+    weights: of the strips and of the points; their products with the pressure sum up to 1
+    creep: traction of a strip that a creepage shears, without slip, from the leading edge
+    pressure: that of a strip, which spin's lateral traction follows
+    """
+
+    y: np.ndarray
+    half_length: np.ndarray
+    strip_weights: np.ndarray
+    z: np.ndarray
+    point_weights: np.ndarray
+    creep: np.ndarray
+    pressure: np.ndarray
+
+    @property
+    def spin_arm(self) -> float:
+        """Moment/b of longitudinal tractions in proportion to y, without slip."""
+        return float(np.sum(self.strip_weights * self.y**2) * np.sum(self._creep_weights))
+
+    @property
+    def creep_arm(self) -> float:
+        """Moment/a of the lateral tractions of a creepage, without slip: they lie rearwards."""
+        weights = self.strip_weights * self.half_length
+        return float(np.sum(weights) * np.sum(self._creep_weights * self.z))
+
+    @property
+    def _creep_weights(self) -> np.ndarray:
+        return self.point_weights * self.creep
+
+
 def fastsim(
     contact: Contact, strips: int = STRIPS, points: int = POINTS
 ) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Forces [N] and moment [N.m] by tractions that grow from the leading edge until they slip.
 
-    Three flexibilities from Kalker's coefficients, paraboloidal bound. Strips and points are those
-    of Gauss' rules, so that full slip gives mu N and full adhesion Kalker's linear forces.
-    Source: Kalker, A fast algorithm for the simplified theory of rolling contact, Vehicle System
-    Dynamics 11 (1982).
+    Full adhesion gives Kalker's linear forces and moment, full slip mu N, on any grid. Sources:
+    Kalker, A fast algorithm for the simplified theory of rolling contact, Vehicle System Dynamics
+    11 (1982); Carter, Proceedings of the Royal Society A 112 (1926).
     """
     c = contact
     limit = c.friction * c.load
     k = c.creep_reduction / limit
-    angle = math.pi * np.arange(1, strips + 1) / (strips + 1)
-    across = ca.DM(np.cos(angle)).T
-    # Chebyshev's rule of the second kind: its weight is the strip's length.
-    weight = ca.DM(2 / (strips + 1) * np.sin(angle) ** 2).T
+    grid = _grid(strips, points)
     tractions = _strips(strips, points)(
-        k * c.f11 * c.creep_x, k * c.f22 * c.creep_y, k * c.f23 * c.spin, c.b / c.a, across
+        k * c.f11 * c.creep_x,
+        k * c.f22 * c.creep_y,
+        k * c.f23 * c.spin,
+        k * c.f33 * c.spin / (c.b * grid.spin_arm),
+        -c.f23 / (c.f22 * c.a * grid.creep_arm) - 1,
+        c.b / c.a,
+        ca.DM(grid.y).T,
     )
-    force_x, force_y, moment = ca.vertsplit(ca.mtimes(tractions, weight.T))
+    force_x, force_y, moment = ca.vertsplit(ca.mtimes(tractions, ca.DM(grid.strip_weights)))
     return limit * force_x, limit * force_y, limit * c.a * moment
 
 
 @cache
+def _grid(strips: int, points: int) -> _Grid:
+    """Nodes and weights of Chebyshev's rule of the second kind, across and along."""
+    angle_across, angle_along = (np.pi * np.arange(1, n + 1) / (n + 1) for n in (strips, points))
+    half_length, pressure = np.sin(angle_across), np.sin(angle_along)
+    z = np.cos(angle_along)
+    load_behind = 1 - (angle_along - np.sin(angle_along) * z) / np.pi
+    creep = pressure / np.sqrt(load_behind)
+    strip_weights, point_weights = half_length**2, pressure
+    full_slip = np.sum(strip_weights * half_length) * np.sum(point_weights * pressure)
+    adhesion = np.sum(strip_weights) * np.sum(point_weights * creep)
+    return _Grid(
+        y=np.cos(angle_across),
+        half_length=half_length,
+        strip_weights=strip_weights / full_slip,
+        z=z,
+        point_weights=point_weights,
+        creep=creep * full_slip / adhesion,
+        pressure=pressure,
+    )
+
+
+@cache
 def _strips(strips: int, points: int) -> ca.Function:
-    return _strip(points).map(strips)
+    return _strip(_grid(strips, points)).map(strips)
 
 
-def _strip(points: int) -> ca.Function:
-    """(longitudinal, lateral, spin demand, b/a, y/b) -> force x, y and moment/a of one strip.
+def _strip(grid: _Grid) -> ca.Function:
+    """(demand x, y, spin, spin x, lever, b/a, y/b) -> force x, y and moment/a of one strip.
 
     A demand is the force of the linear theory over the friction limit, with the sign of the
-    creepage. Along the strip, forward place z = -1..1, traction over mu times the largest pressure.
+    creepage; spin x: that of spin's longitudinal tractions at y = b. Tractions are over mu times
+    the largest pressure. lever: by how much more of its arm a creepage's lateral traction acts.
     """
-    demand_x, demand_y, demand_spin, width, y = (
-        ca.SX.sym(name) for name in ("demand_x", "demand_y", "demand_spin", "width", "y")
-    )
+    names = ("demand_x", "demand_y", "demand_spin", "demand_spin_x", "lever", "width", "y")
+    arguments = [ca.SX.sym(name) for name in names]
+    demand_x, demand_y, demand_spin, demand_spin_x, lever, width, y = arguments
     half_length = ca.sqrt(1 - y**2)
-    slope_x = 3 * math.pi / 16 * demand_x - 2 * demand_spin * width * y
-    slope_y = 3 * math.pi / 16 * demand_y
-    nodes, weights = np.polynomial.legendre.leggauss(points)
-    previous, p_x, p_y = 1.0, ca.SX(0), ca.SX(0)
+    slope_x = demand_x - demand_spin_x * y
+    slope_spin = demand_spin * half_length
+    p_x, p_y, by_creep = ca.SX(0), ca.SX(0), ca.SX(0)
     force_x, force_y, moment = ca.SX(0), ca.SX(0), ca.SX(0)
-    for z, weight in zip(nodes[::-1], weights[::-1], strict=True):
-        step = half_length * (previous - z)
-        middle = half_length * (previous + z) / 2
-        p_x = p_x - slope_x * step
-        p_y = p_y - (slope_y + 2 * demand_spin * middle) * step
-        bound = half_length**2 * (1 - z**2)
+    steps = (np.diff(profile, prepend=0.0) for profile in (grid.creep, grid.pressure))
+    for z, weight, pressure, creep_step, spin_step in zip(
+        grid.z, grid.point_weights, grid.pressure, *steps, strict=True
+    ):
+        p_x = p_x - slope_x * creep_step
+        p_y = p_y - demand_y * creep_step - slope_spin * spin_step
+        by_creep = by_creep - demand_y * creep_step
+        bound = half_length * pressure
         share = ca.fmin(1, bound / ca.sqrt(p_x**2 + p_y**2 + TINY**2))
-        p_x, p_y = share * p_x, share * p_y
+        p_x, p_y, by_creep = share * p_x, share * p_y, share * by_creep
         force_x += weight * p_x
         force_y += weight * p_y
-        moment += weight * (half_length * z * p_y - width * y * p_x)
-        previous = z
-    return ca.Function(
-        "strip",
-        [demand_x, demand_y, demand_spin, width, y],
-        [ca.vertcat(force_x, force_y, moment)],
-    )
+        moment += weight * (half_length * z * (p_y + lever * by_creep) - width * y * p_x)
+    return ca.Function("strip", arguments, [ca.vertcat(force_x, force_y, moment)])

@@ -10,10 +10,11 @@ from .contact import TINY, Contact
 
 
 def polach(contact: Contact) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Forces [N]; the method knows no moment about the normal.
+    """Forces [N] and moment [N.m]: Kalker's, reduced as the force of a creepage is.
 
     Source: Polach, A fast wheel-rail forces calculation computer code, Vehicle System Dynamics
-    Supplement 33 (1999); reduction factors and falling friction: Polach, Wear 258 (2005).
+    Supplement 33 (1999), which gives no moment; reduction factors and falling friction: Polach,
+    Wear 258 (2005).
     """
     c = contact
     falling = (1 - c.friction_ratio) * ca.exp(-c.friction_decay * c.slip) + c.friction_ratio
@@ -23,12 +24,14 @@ def polach(contact: Contact) -> tuple[ca.SX, ca.SX, ca.SX]:
     creep = ca.sqrt(c.creep_x**2 + edge_y**2 + TINY**2)
     square = c.creep_x**2 + c.creep_y**2 + TINY**2
     forces = (c.f11 * c.creep_x) ** 2 + c.f22**2 * (c.creep_y**2 + TINY**2)
-    gradient = math.pi / 4 * ca.sqrt(forces / square) * creep / limit
+    stiffness = ca.sqrt(forces / square)
+    gradient = math.pi / 4 * stiffness * creep / limit
     adhesion = c.adhesion_reduction * gradient
     traction = 2 / math.pi * (adhesion / (1 + adhesion**2) + ca.atan(c.slip_reduction * gradient))
     force = limit * traction / creep
     spin_force = limit * _spin_traction(c, edge_y, limit) * c.a * c.spin / creep
-    return -force * c.creep_x, -force * c.creep_y - spin_force, 0 * force
+    moment = force / stiffness * (c.f23 * c.creep_y - c.f33 * c.spin)
+    return -force * c.creep_x, -force * c.creep_y - spin_force, moment
 
 
 def _spin_traction(c: Contact, edge_y: ca.SX, limit: ca.SX) -> ca.SX:

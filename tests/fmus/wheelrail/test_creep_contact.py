@@ -11,12 +11,16 @@ import pytest
 import tolerances
 from fmus.wheelrail.creep import LAWS
 from fmus.wheelrail.kalker import coefficients
+from reference.half_space import HalfSpace
 from support.contact_rig import ContactRig, ellipse
 
 SATURATING = [law for law in LAWS if law != "kalker"]
 G, NU = 82e9, 0.28
 CASE = ContactRig(a=8e-3, b=4e-3, load=82e3, friction=0.3, shear_modulus=G, poisson=NU)
 SPINNING = {"creep_y": -6.25e-4, "spin": 0.625}
+
+DIRECTIONS = [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0.7, 0.3), (0, 1, 0.3), (0, 1, -0.3)]
+"""Of the demands of creepage x, y and spin."""
 
 LOCOMOTIVE = {4e-4: 0.2588, 8e-4: 0.4742, 1.2e-3: 0.6482, 1.6e-3: 0.7831, 3.2e-3: 0.9976}
 """Longitudinal force over mu N by CONTACT: Polach's locomotive of 1999, by creepage."""
@@ -33,6 +37,10 @@ def locomotive():
     return ContactRig(a=a, b=b, load=106.7e3, friction=0.33, shear_modulus=G, poisson=NU)
 
 
+def half_space(rig, cells, **more):
+    return HalfSpace(rig.a, rig.b, rig.shear_modulus, rig.poisson, cells, **more)
+
+
 def linear(rig, creep_x=0.0, creep_y=0.0, spin=0.0):
     f, mu_n = rig.coefficients, rig.friction * rig.load
     forces = [
@@ -41,24 +49,6 @@ def linear(rig, creep_x=0.0, creep_y=0.0, spin=0.0):
         f["f23"] * creep_y - f["f33"] * spin,
     ]
     return np.array(forces) / mu_n
-
-
-def plain_fastsim(grid, flexibility, creep_y, spin):
-    """Lateral force over mu N of the case by equal strips and steps, as published; mm and N."""
-    a, b, mu_n = 8.0, 4.0, 0.3 * 82e3
-    across = b * (2 * (np.arange(grid) + 0.5) / grid - 1)
-    half = a * np.sqrt(1 - (across / b) ** 2)
-    step = 2 * half / grid
-    traction, force = np.zeros((2, grid)), 0.0
-    for i in range(grid):
-        x = half - (i + 0.5) * step
-        slip = [-spin * across / flexibility[2]]
-        slip += [creep_y / flexibility[1] + spin * (x + step / 2) / flexibility[2]]
-        traction -= np.array(slip) * step
-        bound = 2 * mu_n / (math.pi * a * b) * (1 - (x / a) ** 2 - (across / b) ** 2)
-        traction *= np.minimum(1, bound / np.maximum(np.hypot(*traction), 1e-30))
-        force += np.sum(traction[1] * step) * 2 * b / grid
-    return force / mu_n
 
 
 def test_hertz_gives_the_published_ellipse():
@@ -108,52 +98,84 @@ def test_linear_theory_and_polach_give_the_published_forces_under_spin():
     assert CASE.forces("polach", **SPINNING)[1] == pytest.approx(-0.647, abs=1e-3)
 
 
-def limit(coarse, fine, refinement=2):
-    """What a result of first order tends to."""
-    return fine + (fine - coarse) / (refinement - 1)
+def creep_forces_by_carters_strips(demand):
+    """Force over mu N of strips of which each slips over the same length, without coupling."""
+    y = np.cos(math.pi * (np.arange(4000) + 0.5) / 4000)
+    half_length = np.sqrt(1 - y**2)
+    weight = half_length * math.pi / 4000
+    stuck = np.maximum(half_length - 4 * demand / (3 * math.pi), 0)
+    return 0.75 * float(np.sum(weight * (half_length**2 - stuck**2)))
 
 
-def test_plain_fastsim_tends_to_where_contacts_own_fastsim_tends():
-    """CONTACT prints -0.6118 on 40, -0.6359 on 200 cells, with blended flexibilities."""
-    blended = (0.4937e-4, 0.5152e-4, 0.4090e-4)
-    plain = [plain_fastsim(n, blended, -6.25e-4, 6.25e-4) for n in (100, 200)]
-    contacts = limit(-0.6118, -0.6359, refinement=5)
-    assert limit(*plain) == pytest.approx(contacts, rel=tolerances.FASTSIM_LIMIT)
-
-
-def test_fastsim_tends_to_where_plain_fastsim_tends():
-    unblended = (0.49996e-4, 0.52331e-4, 0.40790e-4)
-    plain = [plain_fastsim(n, unblended, -6.25e-4, 6.25e-4) for n in (100, 200)]
-    ours = [CASE.forces("fastsim", strips=n, points=n, **SPINNING) for n in (40, 80)]
-    assert limit(ours[0][1], ours[1][1]) == pytest.approx(
-        limit(*plain), rel=tolerances.FASTSIM_LIMIT
+@pytest.mark.parametrize("demand", [0.1, 0.5, 1.0, 1.5, 2.0])
+@pytest.mark.parametrize("direction", ["creep_x", "creep_y"])
+def test_fastsims_strips_creep_as_carters_cylinders_do(demand, direction):
+    coefficient = CASE.coefficients["f11" if direction == "creep_x" else "f22"]
+    creep = demand * CASE.friction * CASE.load / coefficient
+    found = CASE.forces("fastsim", **{direction: creep}, strips=80, points=80)
+    expected = creep_forces_by_carters_strips(demand)
+    assert -found[0 if direction == "creep_x" else 1] == pytest.approx(
+        expected, abs=tolerances.CARTER_FINE
     )
-    assert abs(ours[1][0]) < 1e-9
-    assert ours[1][1] == pytest.approx(-0.6359, rel=tolerances.FASTSIM_PRINTED)
-    assert ours[1][2] == pytest.approx(-37.98 / (0.3 * 82e3), rel=tolerances.FASTSIM_PRINTED)
 
 
 def test_fastsim_on_its_own_grid_is_near_the_fine_one():
     own, fine = (CASE.forces("fastsim", strips=n, points=n, **SPINNING) for n in (10, 80))
-    assert own[1] == pytest.approx(fine[1], rel=tolerances.FASTSIM_OWN_GRID)
-    assert own[2] == pytest.approx(fine[2], rel=2 * tolerances.FASTSIM_OWN_GRID)
+    assert own[1:] == pytest.approx(fine[1:], rel=tolerances.FASTSIM_OWN_GRID)
     for creep in (3e-4, 1e-3, 3e-3):
         own, fine = (CASE.forces("fastsim", creep, strips=n, points=n)[0] for n in (10, 80))
-        assert own == pytest.approx(fine, abs=3e-3)
+        assert own == pytest.approx(fine, abs=tolerances.FASTSIM_OWN_GRID)
 
 
-def test_fastsim_exceeds_contacts_lateral_force_under_opposed_spin_by_a_tenth():
-    ratio = CASE.forces("fastsim", **SPINNING)[1] / -0.6074
-    assert 1.06 < ratio < 1.10
+@pytest.mark.slow
+def test_the_half_space_on_contacts_grid_is_what_contact_prints():
+    """CONTACT's 40 cells, with its place of the slip."""
+    force = half_space(CASE, 40, slip_at=1 / 6).forces(**SPINNING, limit=24.6e3)
+    assert force[1] == pytest.approx(-0.6074, rel=tolerances.HALF_SPACE)
+    assert 24.6e3 * force[2] == pytest.approx(-48.21, rel=tolerances.HALF_SPACE)
+
+
+@pytest.mark.parametrize(("a", "b"), [(5e-3, 5e-3), (8e-3, 4e-3), (4e-3, 8e-3)])
+def test_fastsim_is_near_the_half_space_on_the_tread(a, b):
+    """Creepages that ask for 0.5 to 2 of the friction limit, spin for up to 0.6."""
+    rig = ContactRig(a=a, b=b, load=82e3, friction=0.3, shear_modulus=G, poisson=NU)
+    limit = rig.friction * rig.load
+    stiffness = [rig.coefficients[name] for name in ("f11", "f22", "f23")]
+    coarse, fine = (half_space(rig, cells) for cells in (12, 18))
+    errors = []
+    for direction in DIRECTIONS:
+        for demand in (0.3, 0.6) if direction == (0, 0, 1) else (0.5, 1.0, 2.0):
+            creepage = demand * limit * np.array(direction) / np.linalg.norm(direction) / stiffness
+            exact = 3 * fine.forces(*creepage, limit) - 2 * coarse.forces(*creepage, limit)
+            errors.append((rig.forces("fastsim", *creepage) - exact) / (1, 1, a))
+    assert np.abs(errors).max() < tolerances.FASTSIM_ON_THE_TREAD
+    assert np.sqrt(np.mean(np.square(errors))) < tolerances.FASTSIM_ON_THE_TREAD / 3
+
+
+def test_fastsim_is_the_half_space_under_spin_against_lateral_creep():
+    coarse, fine = (half_space(CASE, n).forces(**SPINNING, limit=24.6e3) for n in (16, 24))
+    exact = fine + 2 * (fine - coarse)
+    ours = CASE.forces("fastsim", **SPINNING)
+    assert ours[1] == pytest.approx(exact[1], rel=0.03)
+    assert ours[2] == pytest.approx(exact[2], rel=0.08)
 
 
 @pytest.mark.parametrize(
-    ("law", "error"), [("polach", 0.06), ("shen_hedrick_elkins", 0.04), ("fastsim", 0.05)]
+    ("law", "error"), [("polach", 0.065), ("shen_hedrick_elkins", 0.05), ("fastsim", 0.016)]
 )
 def test_the_locomotives_creep_curve_is_contacts(law, error):
     rig = locomotive()
     for creep, contact in LOCOMOTIVE.items():
-        assert -rig.forces(law, creep)[0] == pytest.approx(contact, abs=error), creep
+        assert -rig.forces(law, creep)[0] == pytest.approx(contact, rel=error), creep
+
+
+def test_three_creepages_together_give_contacts_forces():
+    """Ertz and Knothe's contact, which CONTACT rolls backwards: both axes turned."""
+    a, b = ellipse(1.015, 0.4215, 1e5, G, NU)
+    rig = ContactRig(a=a, b=b, load=1e5, friction=0.3, shear_modulus=G, poisson=NU)
+    force = rig.forces("fastsim", creep_x=2e-3, creep_y=-1e-3, spin=0.2)
+    assert force[:2] == pytest.approx([-0.7274, 0.1492], abs=0.015)
+    assert 3e4 * force[2] == pytest.approx(-46.26, rel=0.02)
 
 
 def test_polachs_curve_crosses_contacts_once():
@@ -173,13 +195,7 @@ def test_shen_hedrick_elkins_follows_vermeulen_and_johnson():
 @pytest.mark.parametrize("law", ["shen_hedrick_elkins", "fastsim"])
 def test_small_creepages_superpose(law):
     creepage = {"creep_x": 3e-7, "creep_y": -2e-7, "spin": 4e-5}
-    assert CASE.forces(law, **creepage)[:2] == pytest.approx(linear(CASE, **creepage)[:2], rel=2e-3)
-
-
-def test_fastsims_spin_moment_is_somewhat_below_kalkers():
-    """Its flexibilities are fitted to the forces, and leave none for the moments."""
-    ratio = CASE.forces("fastsim", spin=1e-4)[2] / linear(CASE, spin=1e-4)[2]
-    assert 0.75 < ratio < 0.85
+    assert CASE.forces(law, **creepage) == pytest.approx(linear(CASE, **creepage), rel=2e-3)
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -190,8 +206,7 @@ def test_at_small_creepage_every_law_is_kalkers(law, creepage):
     expected = linear(CASE, **creepage)
     forces = CASE.forces(law, **creepage)
     assert forces[:2] == pytest.approx(expected[:2], rel=2e-3, abs=1e-9)
-    if law in ("kalker", "shen_hedrick_elkins"):
-        assert forces[2] == pytest.approx(expected[2], rel=2e-3, abs=1e-12)
+    assert forces[2] == pytest.approx(expected[2], rel=2e-3, abs=1e-12)
 
 
 @pytest.mark.parametrize("law", ["kalker", "shen_hedrick_elkins", "fastsim"])
@@ -236,8 +251,6 @@ def test_creep_takes_energy_out(law, rng):
     for size in (1e-5, 1e-3, 1e-1):
         for _ in range(40):
             creep_x, creep_y, spin = size * rng.normal(size=3) * (1, 1, 100)
-            if law == "polach":  # without the moment the balance with spin is not whole
-                spin = 0.0
             force_x, force_y, moment = CASE.forces(law, creep_x, creep_y, spin)
             assert force_x * creep_x + force_y * creep_y + moment * spin < 0
 
