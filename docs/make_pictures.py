@@ -15,6 +15,7 @@ from orchestrator import simulate
 from tracktrain.car.hopper import hopper_car
 from tracktrain.plots import BLUE, INK, RED, STYLE, plot_displacement
 from tracktrain.scales import FOOT
+from tracktrain.studies.hunting_causes import hunting_causes
 
 PICTURES = Path(__file__).parent / "pictures"
 
@@ -52,3 +53,5 @@ if __name__ == "__main__":
     coupling().savefig(PICTURES / "coupling.png", dpi=120)
     run = simulate(hopper_car(), duration=8.0)
     plot_displacement(run.dataset).savefig(PICTURES / "displacement.png", dpi=120)
+    causes = hunting_causes().pictures["critical_speeds"]
+    causes.savefig(PICTURES / "hunting_causes.png", dpi=120)

@@ -185,14 +185,15 @@ class WheelRail(Block):
         """Outputs under one creep law, with the wheelset's rotation found in this way."""
         law = LAWS.get(name)
         kind: Any = ca.MX if name == "fastsim" else ca.SX  # the grid stays a loop in C
-        x, lookup = ca.MX(0, 1), ca.MX(0, 0)
-        u, p = (ca.MX.sym(n, len(v)) for n, v in (("u", self.inputs), ("p", self.parameters)))
-        d = ca.MX.sym("d", len(self.derived_shapes))
-        common = ca.MX(0)
+        forces = self._of_signals(name, kind, partial(self._outputs, law), "common")
+        # Without a root to find all is one expression, which costs least.
+        outer: Any = ca.MX if law else ca.SX
+        x, lookup = outer(0, 1), outer(0, 0)
+        u, p = (outer.sym(n, len(v)) for n, v in (("u", self.inputs), ("p", self.parameters)))
+        d, common = outer.sym("d", len(self.derived_shapes)), outer(0)
         if law:
             wheels = self._of_signals("wheels", ca.SX, _wheels)(u, p, d)
             common = rotation(law, kind)(*wheels)
-        forces = self._of_signals(name, kind, partial(self._outputs, law), "common")
         return ca.Function(name, [x, u, p, d, lookup], [forces(u, p, d, common)], options or {})
 
     def _of_signals(self, name: str, kind: Any, function: Callable[..., Any], *more: str) -> Any:

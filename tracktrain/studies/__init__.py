@@ -10,6 +10,7 @@ from __future__ import annotations
 STUDIES = {
     "response": "Response to irregular track, with spectra (Figures 6-1 to 6-6)",
     "hunting": "Nonlinear hunting, limit cycle against speed (Figures 7-1 to 7-12)",
+    "hunting-causes": "What turns the hunting: factors alone and in pairs, beside the field",
     "stability": "Eigenvalues of the linearised car against speed (Figures 7-14 to 7-16)",
     "sensitivity": "What drives the hunting: derivatives of growth and critical speed",
     "carbody-survey": "Carbody on air springs: modal survey (Table 4-1, Figures 4-8, 4-9)",
