@@ -21,7 +21,8 @@ def assess(dataset: xr.Dataset) -> pd.DataFrame:
 
     Columns: place (of the worst value), value, limit, unit, share (of the limit; of wheel loads
     that of the admissible unloading), result (passed, exceeded, no limit, or not applicable and
-    why), statistic, filter, window, formula, source, verified (whether the limit was read there).
+    why), applies (whether the run is what the rule is for; else it is shown for comparison), scope,
+    statistic, filter, window, formula, source, verified (whether the limit was read there), quote.
     """
     try:
         car: Car | NotApplicableError = Car(dataset)
@@ -38,6 +39,8 @@ def _row(car: Car | NotApplicableError, rule: Rule) -> dict[str, object]:
     return {
         "quantity": rule.quantity,
         **found,
+        "applies": not isinstance(car, NotApplicableError) and rule.scope.includes(car.speed),
+        "scope": rule.scope.text,
         "unit": rule.shown_unit,
         "statistic": rule.statistic,
         "filter": str(rule.band or ""),
@@ -45,6 +48,7 @@ def _row(car: Car | NotApplicableError, rule: Rule) -> dict[str, object]:
         "formula": rule.formula,
         "source": rule.source,
         "verified": rule.verified,
+        "quote": rule.quote,
     }
 
 

@@ -14,7 +14,8 @@ from orchestrator import Provenance, dominant_frequency
 
 from ..car.hopper import layout_of
 from ..car.layout import Axle, Truck
-from .rules import Band, NotApplicableError, Rule
+from . import windows
+from .rules import Band, NotApplicableError, Rule, parameter
 
 Array = NDArray[np.float64]
 SAMPLES_PER_CYCLE = 4
@@ -51,6 +52,13 @@ class Car:
         """Way run since the start [m]."""
         way = self[self.layout.distance]
         return way - way[0]
+
+    @cached_property
+    def speed(self) -> float:
+        """Largest speed of the run [m/s]; 0 where the way is not known."""
+        if self.layout.distance not in self._dataset:
+            return 0.0
+        return float(np.abs(np.gradient(self.distance, self.time)).max())
 
     def load(self, axle: Axle, side: str, rule: Rule) -> Array:
         """Vertical force of a wheel on its rail [N]."""
@@ -90,6 +98,25 @@ class Car:
             place = f"{self.layout.carbody} {truck.end}"
             yield place, self.filtered(self[f"{self.layout.plate(truck)}.{quantity}"], rule.band)
 
+    def floor_ends(self, quantity: str, rule: Rule) -> Iterator[tuple[str, Array]]:
+        """A motion near the carbody's ends at floor level, in the rule's band, by place.
+
+        The body is taken as rigid: the motions above the trucks go on to its ends in a straight
+        line, and roll, by which they differ from that of the centre of gravity, adds to the height.
+        """
+        body = self.layout.carbody
+        reach = self.parameter(f"{body}.body_length") / 2
+        reach /= self.parameter(f"{body}.half_truck_spacing")
+        front, rear = (self[f"{self.layout.plate(t)}.{quantity}"] for t in self.layout.trucks)
+        mean, half = (front + rear) / 2, (front - rear) / 2
+        if quantity == "ay":
+            plate = self.parameter(f"{self.layout.front.instance}.centre_plate_height")
+            height = self.parameter(f"{body}.gravity_centre_height")
+            roll = (mean - self[f"{body}.cg.{quantity}"]) / height
+            mean = mean - (parameter("floor_height") - plate) * roll
+        for truck, side in zip(self.layout.trucks, (1, -1), strict=True):
+            yield f"{body} {truck.end} end", self.filtered(mean + side * reach * half, rule.band)
+
     def filtered(self, values: Array, band: Band | None) -> Array:
         """The values in a band: Butterworth filters of second order, forwards and backwards."""
         if band is None:
@@ -125,6 +152,23 @@ class Car:
         if extent < length * LONG_ENOUGH:
             raise NotApplicableError(self._too_short(extent, length, unit, rule_unit))
         return values, max(round(length / extent * (len(values) - 1)), 1)
+
+    def lasting(self, values: Array, rule: Rule) -> float:
+        """The largest level that moving values keep for as long as the rule says."""
+        count = max(round(rule.sustained * self.rate), 1)
+        if len(values) < count:
+            raise NotApplicableError(
+                f"the run of {self.time[-1] - self.time[0]:.3g} s is shorter than a window of "
+                f"{rule.window:g~P} that lasts for {rule.sustained:g} s"
+            )
+        return float(windows.held_above(values, count).max())
+
+    def strided(self, values: Array, rule: Rule) -> Array:
+        """Of values at equal distances of way, those that count by the rule."""
+        if not rule.stride:
+            return values
+        spacing = float(self.distance[-1]) / (len(self.distance) - 1)
+        return values[:: max(round(rule.stride / spacing), 1)]
 
     def _too_short(self, extent: float, length: float, unit: str, window: str) -> str:
         said = f"the window of {window} is longer than the run of {extent:.3g} {unit}"

@@ -111,14 +111,16 @@ def _wheel_l_over_v(car: Car, rule: Rule) -> Found:
         yield place, windows.held_above(*car.windowed(ratio, rule)).max()
 
 
-@measure("wheel_load_ratio", "aar_wheel_unloading")
+@measure(
+    "wheel_load_ratio", "passenger_wheel_load", "aar_wheel_unloading", "aar_wheel_unloading_way"
+)
 def _wheel_load_ratio(car: Car, rule: Rule) -> Found:
     for truck, axle, side, place in _wheels(car):
         ratio = 2 * car.load(axle, side, rule) / car.static_axle_load(truck)
         yield place, windows.held_below(*car.windowed(ratio, rule)).min()
 
 
-@measure("net_axle_l_over_v")
+@measure("net_axle_l_over_v", "passenger_net_axle")
 def _net_axle_l_over_v(car: Car, rule: Rule) -> Found:
     for truck in car.layout.trucks:
         for axle in truck.axles:
@@ -136,7 +138,16 @@ def _truck_side_l_over_v(car: Car, rule: Rule) -> Found:
             yield f"{truck.instance} {side}", windows.held_above(*car.windowed(ratio, rule)).max()
 
 
-@measure("aar_axle_sum")
+@measure("passenger_truck_side_load")
+def _truck_side_load(car: Car, rule: Rule) -> Found:
+    for truck in car.layout.trucks:
+        for side in SIDES:
+            load = np.asarray(sum(car.load(axle, side, rule) for axle in truck.axles))
+            ratio = load / car.static_axle_load(truck)
+            yield f"{truck.instance} {side}", windows.held_below(*car.windowed(ratio, rule)).min()
+
+
+@measure("aar_axle_sum", "aar_axle_sum_way")
 def _axle_sum(car: Car, rule: Rule) -> Found:
     for axle in car.layout.axles:
         left, right = (_ratio(car, rule, axle, side) for side in SIDES)
@@ -148,7 +159,8 @@ def _truck_lateral(car: Car, rule: Rule) -> Found:
     for truck in car.layout.trucks:
         leading, trailing = map(car.axle_acceleration, truck.axles)
         kept = car.filtered((leading + trailing) / 2, rule.band)
-        yield truck.instance, windows.moving_rms_about_trend(*car.windowed(kept, rule)).max()
+        moving = windows.moving_rms_about_trend(*car.windowed(kept, rule))
+        yield truck.instance, car.lasting(moving, rule)
 
 
 def _axis(rule: Rule) -> str:
@@ -157,7 +169,7 @@ def _axis(rule: Rule) -> str:
 
 @measure("carbody_lateral_transient", "carbody_vertical_transient")
 def _carbody_transient(car: Car, rule: Rule) -> Found:
-    for place, kept in car.ends(_axis(rule), rule):
+    for place, kept in car.floor_ends(_axis(rule), rule):
         values, count = car.windowed(kept, rule)
         ignored = max(round(rule.ignored * car.rate), 1)
         yield place, windows.moving_peak_to_peak(values, count, ignored).max()
@@ -165,8 +177,9 @@ def _carbody_transient(car: Car, rule: Rule) -> Found:
 
 @measure("carbody_lateral_oscillation", "carbody_vertical_oscillation")
 def _carbody_oscillation(car: Car, rule: Rule) -> Found:
-    for place, kept in car.ends(_axis(rule), rule):
-        yield place, windows.moving_rms_about_trend(*car.windowed(kept, rule)).max()
+    for place, kept in car.floor_ends(_axis(rule), rule):
+        moving = windows.moving_rms_about_trend(*car.windowed(kept, rule))
+        yield place, car.lasting(moving, rule)
 
 
 @measure("aar_hunting")
@@ -190,7 +203,7 @@ def _roll(car: Car, rule: Rule) -> Found:
 def _sum_y(car: Car, rule: Rule) -> Found:
     for axle in car.layout.axles:
         mean = windows.moving_mean(*car.windowed(car.net_lateral(axle, rule), rule))
-        yield axle.wheelset, windows.percentile_extreme(mean)
+        yield axle.wheelset, windows.percentile_extreme(car.strided(mean, rule))
 
 
 @measure("en_wheel_load")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -31,8 +32,29 @@ class Band:
 
 
 @dataclass(frozen=True)
+class Scope:
+    """What a rule is for: other vehicles (`foreign`), or this car at these speeds [m/s]."""
+
+    text: str
+    foreign: bool = False
+    least_speed: float = 0.0
+    most_speed: float = math.inf
+
+    def includes(self, speed: float) -> bool:
+        """Whether a run whose largest speed is this [m/s] is judged by the rule."""
+        return not self.foreign and self.least_speed <= speed <= self.most_speed
+
+
+ANYTHING = Scope("")
+
+
+@dataclass(frozen=True)
 class Rule:
-    """One line of the assessment. window: in m or s; limit: in `unit`, None for a formula's."""
+    """One line of the assessment.
+
+    window: in m or s; limit: in `unit`, None for a formula's; sustained [s]: how long a moving
+    value must last to count; stride [m]: way between two values that count, 0 for all.
+    """
 
     key: str
     quantity: str
@@ -47,6 +69,10 @@ class Rule:
     unit: str
     at_least: bool
     inapplicable: str
+    scope: Scope
+    quote: str
+    sustained: float
+    stride: float
 
     @property
     def judged(self) -> bool:
@@ -93,13 +119,29 @@ def _rule(key: str, given: Mapping[str, Any]) -> Rule:
         verified=given["verified"],
         band=Band(**band) if band else None,
         window=_quantity(window) if window else None,
-        ignored=to_si(**given["ignored"]) if "ignored" in given else 0.0,
+        ignored=_si(given, "ignored"),
         limit=limit.get("value"),
         formula=limit.get("formula", ""),
         unit=limit.get("unit", "1" if "sperling" in key else "m/s**2"),
         at_least=given.get("at_least", False),
         inapplicable=given.get("inapplicable", ""),
+        scope=_scope(given["scope"]) if "scope" in given else ANYTHING,
+        quote=given.get("quote", ""),
+        sustained=_si(given, "sustained"),
+        stride=_si(given, "stride"),
     )
+
+
+def _si(given: Mapping[str, Any], name: str) -> float:
+    """A quantity [SI], 0 where there is none."""
+    return to_si(**given[name]) if name in given else 0.0
+
+
+@cache
+def _scope(name: str) -> Scope:
+    given = _file()["scopes"][name]
+    most = _si(given, "most_speed") or math.inf
+    return Scope(given["text"], given.get("foreign", False), _si(given, "least_speed"), most)
 
 
 def _quantity(given: Mapping[str, Any]) -> pint.Quantity:

@@ -53,7 +53,7 @@ def facts(dataset: xr.Dataset, table: pd.DataFrame, bonds: pd.DataFrame | None) 
         way = f"{three_digits(float(distance[-1] - distance[0]))} m of track"
     found.append(Fact("simulated", f"{span:.4g} s", way))
     found.append(Fact("macro step", f"{1e3 * step:.4g} ms", f"{dataset.attrs.get('master', '')}"))
-    judged = table[table["result"].isin([PASSED, EXCEEDED])]
+    judged = table[table["result"].isin([PASSED, EXCEEDED]) & table["applies"]]
     if len(judged):
         over = int((judged["result"] == EXCEEDED).sum())
         worst = judged["share"].idxmax()

@@ -22,12 +22,14 @@ SPEED, RATE, GRAVITY = 18.288, 1000, 9.80665
 AXLE_LOAD = 50 * 4448.2216152605  # 50 kip
 
 
-def motion(duration: float, frequency: float = 3.0, **amplitudes: float) -> xr.Dataset:
+def motion(
+    duration: float, frequency: float = 3.0, speed: float = SPEED, **amplitudes: float
+) -> xr.Dataset:
     """A car that sways in sinusoids: of ay, az [m/s2], ratio (L/V), load (share), force [N]."""
     time = np.arange(round(duration * RATE) + 1) / RATE
     wave = np.sin(2 * np.pi * frequency * time)
     given = dict.fromkeys(("ay", "az", "ratio", "load", "force", "vy"), 0.0) | amplitudes
-    variables = {"track.distance": SPEED * time, "carbody.cg.roll": 0.01 * wave}
+    variables = {"track.distance": speed * time, "carbody.cg.roll": 0.01 * wave}
     for end in ("front", "rear", "cg"):
         variables |= {f"carbody.{end}.{a}": given[a] * wave for a in ("ay", "az")}
     for axle in HOPPER.axles:
@@ -42,6 +44,12 @@ def motion(duration: float, frequency: float = 3.0, **amplitudes: float) -> xr.D
         f"{truck}.{name}": value
         for truck in HOPPER.instances("truck")
         for name, value in {"axle_load": AXLE_LOAD, **masses}.items()
+    }
+    parameters |= {
+        "carbody.body_length": 13.0,
+        "carbody.half_truck_spacing": 5.0,
+        "carbody.gravity_centre_height": 1.5,
+        "truck_front.centre_plate_height": 0.6,
     }
     return xr.Dataset(
         {name: ("time", values) for name, values in variables.items()},
@@ -118,6 +126,71 @@ def test_truck_and_wheelset_oscillate_as_their_velocity_says() -> None:
     assert force["value"] == pytest.approx(10 / np.sqrt(2), rel=2e-2)
     wheel = AXLE_LOAD / 2e3
     assert force["limit"] == pytest.approx(0.85 * (10 + 2 * wheel / 3) / 2)
+
+
+def test_accelerations_are_those_of_the_bodys_ends_at_floor_level() -> None:
+    """A rigid body that sways, yaws and rolls about its centre of gravity, each in closed form."""
+    sway, yaw, roll = 1.0, 0.2, 0.3  # m/s2, rad/s2, rad/s2
+    data = motion(12.0, frequency=1.0)
+    wave = np.sin(2 * np.pi * data.time.values)
+    data["carbody.cg.ay"] = ("time", sway * wave)
+    for end, x in (("front", 5.0), ("rear", -5.0)):  # 1.5 m below the centre of gravity
+        data[f"carbody.{end}.ay"] = ("time", (sway + x * yaw + 1.5 * roll) * wave)
+    found = row(assess(data), "carbody_lateral_transient")
+    below = 1.5 - (42 * 0.0254 - 0.6)  # the floor, of the centre of gravity
+    right = 2 * (sway + 6.5 * yaw + below * roll) * np.cos(np.pi * 0.05) / GRAVITY
+    assert found["value"] == pytest.approx(right, rel=1e-2)
+    assert found["place"] == "carbody front end"
+
+
+def test_sustained_limits_ask_for_more_than_one_window() -> None:
+    """Half a second of sway exceeds the limit in 4 s windows, but not for 4 s on end."""
+    data = motion(30.0, frequency=4.0, ay=0.5 * GRAVITY)
+    burst = (data.time.values > 10.0) & (data.time.values < 10.5)
+    for end in ("front", "rear", "cg"):
+        data[f"carbody.{end}.ay"] = data[f"carbody.{end}.ay"] * burst
+    found = row(assess(data), "carbody_lateral_oscillation")
+    once, at_both_ends = (0.5 / np.sqrt(2) * np.sqrt(part / 4) for part in (0.5, 0.25))
+    assert once > found["limit"] and found["result"] == "passed"
+    assert found["value"] == pytest.approx(at_both_ends, rel=0.1)
+    steady = row(
+        assess(motion(30.0, frequency=1.0, ay=0.5 * GRAVITY)), "carbody_lateral_oscillation"
+    )
+    assert steady["value"] == pytest.approx(0.5 / np.sqrt(2), rel=3e-2)
+
+
+def test_truck_side_and_net_axle_of_appendix_c() -> None:
+    table = assess(motion(4.0, load=0.9, force=0.6 * AXLE_LOAD, frequency=0.2))
+    side, net = (row(table, key) for key in ("passenger_truck_side_load", "passenger_net_axle"))
+    assert side["value"] == pytest.approx(0.1, abs=2e-3) and side["result"] == "exceeded"
+    assert side["share"] == pytest.approx(0.9 / 0.8, abs=3e-3)
+    assert net["value"] == pytest.approx(0.6, rel=3e-3) and net["result"] == "exceeded"
+    assert net["quote"].startswith("(2) The net axle lateral force")
+
+
+def test_a_run_outside_of_a_rules_scope_is_shown_for_comparison() -> None:
+    slow, fast = (assess(motion(8.0, speed=speed, ay=1.0)) for speed in (20.0, 40.0))
+    for key, at_20, at_40 in (
+        ("truck_lateral_acceleration", False, True),  # 213.333 is for freight above 80 mph
+        ("aar_roll", True, False),  # Chapter 11 goes up to 70 mph
+        ("wheel_l_over_v", False, False),  # passenger equipment
+        ("iso_lateral", True, True),
+    ):
+        assert bool(row(slow, key)["applies"]) is at_20, key
+        assert bool(row(fast, key)["applies"]) is at_40, key
+
+
+def test_every_verified_limit_quotes_its_paragraph() -> None:
+    for rule in rules():
+        assert rule.verified == bool(rule.quote), rule.key
+
+
+def test_three_feet_are_judged_beside_50_ms() -> None:
+    table = assess(motion(4.0, frequency=5.0, load=0.5, speed=3.0))
+    time, way = (row(table, f"aar_wheel_unloading{end}")["value"] for end in ("", "_way"))
+    kept = 1 / (1 + (5 / 15) ** 4)
+    assert time == pytest.approx(1 - 0.5 * kept * np.cos(np.pi * 5.0 * 0.05), abs=5e-3)
+    assert way > 1.0  # 3 ft at 3 m/s are one and a half waves
 
 
 def test_hunting_of_a_sinusoid_over_2000_ft() -> None:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 ASSESSMENT = "assessment.csv"
+COMPARED = ", for comparison"
 COLOURS = {"passed": "green", "exceeded": "bold red"}
 
 
@@ -39,8 +40,9 @@ def command(folder: Path, quiet: bool) -> None:
     if not quiet:
         console = Console()
         console.print(_shown(table))
+        console.print("for comparison: the rule is for other vehicles, track or speeds (its scope)")
         console.print("* not verified: recalled from the source, check it before quoting it")
-        written = f"filters, windows and sources: {folder / ASSESSMENT}"
+        written = f"filters, windows, scopes and sources: {folder / ASSESSMENT}"
         console.print(written, markup=False, highlight=False)
 
 
@@ -53,13 +55,14 @@ def _shown(table: pd.DataFrame) -> Table:
     for quantity, row in table.iterrows():
         judged = row["share"] == row["share"]
         known = row["value"] == row["value"]
+        compared = judged and not row["applies"]
         star = "" if row["verified"] else " *"
         shown.add_row(
             str(quantity),
             f"{row['value']:.3g} {row['unit']}".strip() if known else "-",
             f"{row['limit']:.3g} {row['unit']}".strip() + star if judged else "-",
             f"{row['share']:.0%}" if judged else "-",
-            row["result"],
-            style=COLOURS.get(row["result"], "dim"),
+            f"{row['result']}{COMPARED}" if compared else row["result"],
+            style="dim" if compared else COLOURS.get(row["result"], "dim"),
         )
     return shown
