@@ -300,6 +300,7 @@ def _table(cycles: Sequence[Cycle], values: Values, wedge_law: str) -> pd.DataFr
                 "period [s]": c.period,
                 "A [mm, mrad]": 1e3 * c.amplitude,
                 "peak [kN, kN.m]": 1e-3 * float(np.ptp(c.force) / 2),
+                "f over Table 4-5": ratio,
                 "energy [J]": c.dissipated,
                 "4f(A-f/Kf) [J]": 4 * ratio * limit * max(slipping, 0.0),
             }
@@ -357,8 +358,10 @@ def _figure(cycles: Sequence[Cycle]) -> Figure:
 def _notes(wedge_law: str) -> list[str]:
     if wedge_law == "constant":
         return [
-            "with constant wedge friction the loops of all loads and periods coincide: the report "
-            "found no influence of the rate, and gives one set of friction limits (Table 4-5)"
+            "the loops of all loads coincide because Table 4-5 has one parameter set: the report "
+            "measured at 20, 50 and 100 kip and prints one of the three; that the load has no "
+            "influence is no finding. --wedge-law load_proportional lets the wedges follow it",
+            "the loops of all periods coincide: the report found no influence of the rate",
         ]
     return [
         "load-proportional wedges: the limits of elements 3, 4, 5 follow the load over its static "

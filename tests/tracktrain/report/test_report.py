@@ -116,7 +116,7 @@ def test_run_writes_its_page_with_all_that_it_is_made_of(hopper_run: Path) -> No
         for note in json.loads(dataset.attrs["notes"]):
             assert html.escape(note) in text
         assert "tracktrain run --duration 1s" in text
-        assert "1.25 Hz roll mode within 5 %" in text  # a parameter's source
+        assert "radius of gyration of 41.6 in" in text  # a parameter's source
         assert "truck_rear.car.moment_z * carbody.rear.wz" in text  # a bond
         drawing, arrays = scene(dataset) or pytest.fail("no scene")
         assert arrays["coordinates"].shape == (101, COUNT)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from math import pi, sqrt
+
 import pytest
 
 import tolerances
-from tracktrain.studies.carbody_survey import carbody_survey
+from tracktrain.car.hopper import parameters_of
+from tracktrain.studies.carbody_survey import AirSprings, carbody_survey
 
 pytestmark = pytest.mark.xdist_group("carbody_survey")  # one worker makes what all share
 
@@ -40,3 +43,21 @@ def test_decay_tells_the_modal_damping_of_a_mode_that_the_air_springs_do_not_fee
     _, table = modes
     assert table.loc["lateral bending", "damping [%]"] == pytest.approx(1.5, rel=0.01)
     assert table.loc["roll on air", "damping [%]"] == pytest.approx(3.0, rel=0.01)
+
+
+def test_air_springs_are_one_set_that_follows_the_load():
+    """Stiffness over weight and atmosphere is the same of both cars, vertical and roll."""
+    cars = {name: parameters_of(name)["carbody"] for name in ("empty", "loaded")}
+    springs = {name: AirSprings.under(values) for name, values in cars.items()}
+    for motion in ("z", "roll"):
+        per_weight = [
+            of.stiffness[motion] / (cars[name]["body_mass"] + of.atmosphere)
+            for name, of in springs.items()
+        ]
+        assert per_weight[0] == pytest.approx(per_weight[1], rel=tolerances.ROUNDING)
+    for name, printed in (("empty", 3.45), ("loaded", 3.30)):
+        roll = 2 * springs[name].stiffness["roll"] / cars[name]["roll_inertia"]
+        assert sqrt(roll) / (2 * pi) == pytest.approx(printed, rel=tolerances.ROUNDING)
+    assert springs["empty"].atmosphere == pytest.approx(27_500 * 0.45359237, rel=0.01)
+    bounce = sqrt(2 * springs["empty"].stiffness["z"] / cars["empty"]["body_mass"]) / (2 * pi)
+    assert bounce == pytest.approx(2.15 * sqrt(201 / 41 / 3.334), rel=1e-3)
