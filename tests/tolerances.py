@@ -279,3 +279,6 @@ STEP_LIMIT = 0.05
 
 ESTIMATED_ERROR = 0.5
 """Richardson's estimate against the true error: the next order, and an order that is not whole."""
+
+TRUCK_FORCES = 1e-9
+"""Forces of one truck in two formulations, over its weight or over the largest of a random set."""

@@ -14,6 +14,7 @@ from fmus.describe.parameters import ParameterSet, parameter_set
 
 INCH = 0.0254  # [m]
 FOOT = 12.0 * INCH  # [m]
+GRAVITY = 9.80665  # [m/s2]
 ELEMENT_TABLES = (
     "centre_plate_lateral",
     "centre_plate_yaw",
@@ -60,6 +61,13 @@ class CarData:
     bolster_roll_inertia: float
     contact_stiffness: tuple[float, float]  # vertical, roll
     contact_damping_ratio: tuple[float, float]
+    centre_plate_rocks: bool  # on its rim, and lifts off; else it also pulls
+    centre_plate_radius: float
+    half_side_bearing_spacing: float
+    side_bearing_gap: float
+    side_bearing_stiffness: float
+    side_bearing_damping: float  # over the elastic force, per velocity
+    side_bearing_friction: float
 
     spring: tuple[float, ...]
     stop_stiffness: tuple[float, ...]
@@ -75,6 +83,30 @@ class CarData:
     lateral_creep: float
     flange_clearance: float
     flange_stiffness: float
+
+    plate_friction_by_load: bool = False
+    wedges_by_load: bool = False
+
+    @property
+    def unsprung_mass(self) -> float:
+        """Mass of what follows the rails under a truck [kg]: wheelsets and side frames."""
+        return 2 * (self.wheelset_mass + self.side_frame_mass)
+
+    @property
+    def unsprung_roll_inertia(self) -> float:
+        """Its roll inertia about the track's middle [kg.m2]; a wheelset rolls as it yaws."""
+        frames = self.side_frame_mass * self.half_side_frame_spacing**2
+        return 2 * (self.wheelset_yaw_inertia + frames)
+
+    @property
+    def spring_weight(self) -> float:
+        """Static load of a truck's springs [N]."""
+        return 2 * self.axle_weight - self.unsprung_mass * GRAVITY
+
+    @property
+    def plate_weight(self) -> float:
+        """Static load of a centre plate [N]."""
+        return self.spring_weight - self.bolster_mass * GRAVITY
 
 
 def car_data(name: str) -> CarData:
@@ -127,6 +159,13 @@ def car_data(name: str) -> CarData:
             truck("contact_vertical.damping_ratio", "1"),
             truck("contact_roll.damping_ratio", "1"),
         ),
+        centre_plate_rocks=truck("centre_plate_contact", "1") == 1,
+        centre_plate_radius=truck("centre_plate_radius", "m"),
+        half_side_bearing_spacing=truck("half_side_bearing_spacing", "m"),
+        side_bearing_gap=truck("side_bearing_gap", "m"),
+        side_bearing_stiffness=truck("side_bearing_stiffness", "N/m"),
+        side_bearing_damping=truck("side_bearing_damping", "s/m"),
+        side_bearing_friction=truck("side_bearing_friction", "1"),
         spring=elements("stiffness", "N/m", "N.m/rad"),
         stop_stiffness=elements("stop_stiffness", "N/m", "N.m/rad"),
         free_play=elements("free_play", "m", "rad"),

@@ -2,6 +2,7 @@
 
 Inside a step the friction of an element is clip(Kf (strain - slip), -f, f) with the slip position
 held; at the step's end the slip position follows, so that the force stays within its limit.
+Contacts that open (`one_sided`) are found at every stage; where none does, they add nothing.
 """
 
 from __future__ import annotations
@@ -11,13 +12,32 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-import numba
 import numpy as np
 
 from reference.car_data import Array
 from reference.monolithic_car import COORDINATES, ELEMENTS, MonolithicCar
+from reference.one_sided import (
+    BEARINGS,
+    EDGES,
+    LIMITS,
+    PLATE,
+    RELIEF,
+    ROLL,
+    VERTICAL,
+    WHEELS,
+    contacts_along,
+    truck_of,
+)
+from reference.stepping import (
+    RAILS,
+    element_friction,
+    element_springs,
+    runge_kutta,
+    system_matrices,
+    system_of,
+)
 
-RAILS = 16
+VERTICAL_RAILS = [2, 3, 6, 7, 10, 11, 14, 15]
 
 
 @dataclass(frozen=True)
@@ -29,6 +49,8 @@ class Motion:
     state: Array  # (n, 40) p and p'
     slip: Array  # (n, 12) slip positions of the friction elements
     rails: Array  # (n, 16) [m]
+    rail_accelerations: Array  # (n, 16) [m/s2], of which the vertical ones matter
+    push: Array  # (n, 20) generalised forces from outside
 
     @property
     def coordinates(self) -> Array:
@@ -46,10 +68,39 @@ class Motion:
         return self.coordinates @ self.car.axle[0].T
 
     @cached_property
-    def element_strain(self) -> Array:
-        """Strain of the truck elements (n, 12)."""
+    def strain_over_rails(self) -> Array:
+        """Strain of the truck elements (n, 12) if every wheel stood on its rail."""
         over_p, over_rails = self.car.strain
         return self.coordinates @ over_p.T - self.rails @ over_rails.T
+
+    @cached_property
+    def closing(self) -> Array:
+        """Strain of the centre plates (n, 2, 2): vertical [m] and roll [rad] of front, rear."""
+        return (self.coordinates @ self.car.contact.T).reshape(-1, 2, 2)
+
+    @cached_property
+    def contacts(self) -> Array:
+        """What pushes in each truck (n, 2, COLUMNS), see `one_sided`."""
+        _, over_rails = self.car.strain
+        rail = (self.rail_accelerations @ over_rails.T).reshape(-1, 2, ELEMENTS)
+        return contacts_along(
+            truck_of(self.car.data),
+            self.strain_over_rails.reshape(-1, 2, ELEMENTS),
+            self.slip.reshape(-1, 2, ELEMENTS),
+            np.array(self.car.data.friction_limit),
+            self.closing,
+            (self.velocities @ self.car.contact.T).reshape(-1, 2, 2),
+            rail[:, :, [ROLL, VERTICAL]],
+        )
+
+    @cached_property
+    def element_strain(self) -> Array:
+        """Strain of the truck elements (n, 12), elements 3 and 4 over the unsprung body."""
+        strain = self.strain_over_rails.copy()
+        raised, lean = np.moveaxis(self.contacts[:, :, RELIEF], 2, 0)
+        strain[:, VERTICAL::ELEMENTS] -= raised
+        strain[:, ROLL::ELEMENTS] -= lean
+        return strain
 
     @cached_property
     def spring_force(self) -> Array:
@@ -61,7 +112,8 @@ class Motion:
     @cached_property
     def friction_force(self) -> Array:
         """Friction forces (n, 12) that pull the strain back."""
-        stiffness, limit = element_friction(self.car)
+        stiffness, _ = element_friction(self.car)
+        limit = self.contacts[:, :, LIMITS].reshape(-1, 2 * ELEMENTS)
         return np.clip(stiffness * (self.element_strain - self.slip), -limit, limit)
 
     @cached_property
@@ -87,43 +139,70 @@ class Motion:
         return force, moment
 
     @cached_property
+    def wheel_longitudinal(self) -> Array:
+        """Longitudinal creep force on the wheels, left and right of each axle, (n, 8) [N].
+
+        A wheelset without traction turns so fast that its two wheels pull against each other.
+        """
+        data, (_, yaw) = self.car.data, self.car.axle
+        turning = self.velocities @ yaw.T * data.half_gauge / self.car.speed
+        creep = np.zeros((len(self.time), 4, 2))
+        for side, sign in ((0, 1), (1, -1)):
+            offset = self.axle_lateral - self.rails[:, side::4]
+            creep[:, :, side] = -sign * (data.conicity / data.rolling_radius * offset + turning)
+        creep -= creep.mean(axis=2, keepdims=True)
+        return (-data.longitudinal_creep * creep).reshape(-1, 8)
+
+    @cached_property
     def plate_force(self) -> Array:
         """Lateral [N] and yaw [N.m] force of each truck on the carbody, front then rear (n, 4)."""
         force = self.spring_force + self.friction_force
         return force[:, [0, 1, ELEMENTS, ELEMENTS + 1]]
 
     @cached_property
+    def plate_contact_force(self) -> Array:
+        """Vertical force [N] and roll moment [N.m] on the carbody at each plate, (n, 2, 2).
+
+        Of plate and side bearings together, the vertical one besides the static load.
+        """
+        data, contacts = self.car.data, self.contacts
+        force = contacts[:, :, PLATE].copy()
+        left, right = np.moveaxis(contacts[:, :, BEARINGS], 2, 0)
+        force[:, :, 0] += left + right - data.plate_weight
+        force[:, :, 1] += data.half_side_bearing_spacing * (left - right)
+        return force
+
+    @cached_property
     def wheel_load(self) -> Array:
         """Vertical load of the wheels, left and right of each axle, (n, 8) [N], never negative."""
-        data = self.car.data
-        force = self.spring_force + self.friction_force
-        loads = np.zeros((len(self.time), 8))
-        for end in range(2):
-            lateral, _, roll, vertical, _, _ = force[:, end * ELEMENTS :][:, :ELEMENTS].T
-            total = 2 * data.axle_weight - vertical
-            # the carbody pushes the bolster by -lateral, at the height of the centre plate
-            moment = -roll - data.centre_plate_height * lateral
-            for axle in (2 * end, 2 * end + 1):
-                loads[:, 2 * axle] = (total + moment / data.half_gauge) / 4
-                loads[:, 2 * axle + 1] = (total - moment / data.half_gauge) / 4
-        return np.maximum(loads, 0.0)
+        sides = self.contacts[:, :, WHEELS] / 2
+        return np.repeat(sides, 2, axis=1).reshape(-1, 8)
 
     @cached_property
     def accelerations(self) -> Array:
         """p'' (n, 20)."""
-        over_state, over_rails, over_elements, over_flanges = system_matrices(self.car)
+        over_state, over_rails, over_elements, over_flanges, over_contacts = system_matrices(
+            self.car
+        )
         linear, _, _ = element_springs(self.car)
-        nonlinear = self.spring_force - linear * self.element_strain + self.friction_force
+        nonlinear = self.spring_force - linear * self.strain_over_rails + self.friction_force
+        relieved = relieved_contact(self.car, self.contacts)
         return (
             self.state @ over_state.T
             + self.rails @ over_rails.T
             - nonlinear @ over_elements.T
             + self.flange_force @ over_flanges.T
+            - relieved @ over_contacts.T
+            + np.linalg.solve(self.car.mass, self.push.T).T
         )
 
     @cached_property
     def energy(self) -> Array:
-        """Kinetic and potential energy (n,) [J], friction's elastic part included."""
+        """Kinetic and potential energy (n,) [J], friction's elastic part included.
+
+        Weights that are carried at rest count where a contact opens: of the car over an open
+        plate, of the truck over the rails.
+        """
         car = self.car
         p, rate = self.coordinates, self.velocities
         linear, stop, play = element_springs(car)
@@ -133,36 +212,39 @@ class Motion:
         twice = (
             np.einsum("ni,ij,nj->n", rate, car.mass, rate)
             + np.einsum("ni,ij,nj->n", p, car.carbody_stiffness + car.gravity_stiffness, p)
-            + (p @ car.contact.T) ** 2 @ car.contact_stiffness
             + (linear * self.element_strain**2 + stop * beyond**2).sum(axis=1)
             + (self.friction_force**2 / friction_stiffness).sum(axis=1)
             + car.data.flange_stiffness * (flange**2).sum(axis=1)
         )
-        return twice / 2
+        raised = self.contacts[:, :, 0].sum(axis=1)
+        return twice / 2 + 2 * car.data.axle_weight * raised + self._plate_energy
+
+    @property
+    def _plate_energy(self) -> Array:
+        data, truck = self.car.data, truck_of(self.car.data)
+        shape = (*self.closing.shape[:2], ELEMENTS)
+        still, none = np.zeros(shape), np.zeros_like(self.closing)
+        rest = contacts_along(truck, still, still, np.zeros(ELEMENTS), self.closing, none, none)
+        vertical, roll = data.contact_stiffness
+        squeeze = (rest[:, :, 12] - data.plate_weight) / vertical
+        energy = data.plate_weight * (squeeze - self.closing[:, :, 0])
+        energy += (vertical * squeeze**2 + rest[:, :, 13] ** 2 / roll) / 2
+        for arm in (1, -1):
+            overlap = self.closing @ [1, arm * data.half_side_bearing_spacing]
+            pressed = np.maximum(overlap - data.side_bearing_gap, 0) * data.centre_plate_rocks
+            energy += data.side_bearing_stiffness * pressed**2 / 2
+        return energy.sum(axis=1)
 
 
-def element_springs(car: MonolithicCar) -> tuple[Array, Array, Array]:
-    """Stiffness, stop stiffness and free play of the 12 elements, (12,) each."""
+def relieved_contact(car: MonolithicCar, contacts: Array) -> Array:
+    """What rim openings and side bearings add to the plates' elastic forces, (n, 4)."""
     data = car.data
-    linear, stop, play = (
-        np.tile(values, 2) for values in (data.spring, data.stop_stiffness, data.free_play)
-    )
-    return linear, stop, play
-
-
-def element_friction(car: MonolithicCar) -> tuple[Array, Array]:
-    """Friction stiffness and limit of the 12 elements, (12,) each."""
-    return np.tile(car.data.friction_stiffness, 2), np.tile(car.data.friction_limit, 2)
-
-
-def system_matrices(car: MonolithicCar) -> tuple[Array, Array, Array, Array]:
-    """p'' over state (20, 40), rails (20, 16), element forces (20, 12), flange forces (20, 4)."""
-    over_p, over_rails = car.strain
-    linear, _, _ = element_springs(car)
-    rails = car.wheel_rail[2] + over_p.T @ np.diag(linear) @ over_rails
-    inverse = np.linalg.inv(car.mass)
-    state = car.linear_matrix(stuck=())[COORDINATES:]
-    return state, inverse @ rails, inverse @ over_p.T, inverse @ car.axle[0].T
+    edges, bearings = contacts[:, :, EDGES], contacts[:, :, BEARINGS]
+    radius, arm = data.centre_plate_radius, data.half_side_bearing_spacing
+    vertical, roll = data.contact_stiffness
+    force = vertical / 2 * edges.sum(axis=2) + bearings.sum(axis=2)
+    moment = roll / (2 * radius) * (edges @ [1, -1]) + arm * (bearings @ [1, -1])
+    return np.stack([force, moment], axis=2).reshape(-1, 4)
 
 
 def initial_state(**coordinates: float) -> Array:
@@ -184,6 +266,8 @@ def integrate(
     *,
     start: Array | Mapping[str, float],
     rails: Array | None = None,
+    rail_accelerations: Array | None = None,
+    push: Array | None = None,
     rail_step: float = 1.0,
     step: float = 5e-5,
     record_step: float = 1e-3,
@@ -192,130 +276,25 @@ def integrate(
 
     Each recorded step is cut into equal steps of at most `step` [s].
     `start` is a state (40,) or initial coordinates by name. `rails` (m, 16) [m] stands every
-    `rail_step` [s] and is linear in between; none is perfect track. Friction starts at zero.
+    `rail_step` [s] and is linear in between; none is perfect track. `rail_accelerations` (m, 8)
+    [m/s2] are the vertical ones, left and right of each axle; `push` (m, 20) are generalised
+    forces from outside; both none by default. Friction starts at zero.
     """
     state = np.array(start) if isinstance(start, np.ndarray) else initial_state(**start)
-    if rails is None:
-        rails, rail_step = np.zeros((2, RAILS), dtype=np.float64), duration
+    given = [table for table in (rails, rail_accelerations, push) if table is not None]
+    if not given:
+        rail_step = duration
+    driven = np.zeros((len(given[0]) if given else 2, 2 * RAILS + COORDINATES))
+    if rails is not None:
+        driven[:, :RAILS] = rails
+    if rail_accelerations is not None:
+        driven[:, [RAILS + column for column in VERTICAL_RAILS]] = rail_accelerations
+    if push is not None:
+        driven[:, 2 * RAILS :] = np.linalg.solve(car.mass, push.T).T
     substeps, records = math.ceil(record_step / step - 1e-9), round(duration / record_step)
-    _, stop, play = element_springs(car)
-    friction_stiffness, friction_limit = element_friction(car)
-    states, slips, rails_seen = _runge_kutta(  # type: ignore[call-arg]
-        state,
-        record_step / substeps,
-        substeps,
-        records,
-        np.ascontiguousarray(rails),
-        rail_step,
-        *(np.ascontiguousarray(matrix) for matrix in system_matrices(car)),
-        *car.strain,
-        np.ascontiguousarray(car.axle[0]),
-        stop,
-        play,
-        friction_stiffness,
-        friction_limit,
-        car.data.flange_clearance,
-        car.data.flange_stiffness,
+    states, slips, driven = runge_kutta(
+        state, record_step / substeps, substeps, records, driven, rail_step, system_of(car)
     )
     time = record_step * np.arange(records + 1, dtype=np.float64)
-    return Motion(car, time, states, slips, rails_seen)
-
-
-@numba.njit(cache=True)
-def _rails_at(time, table, spacing, out):
-    position = time / spacing
-    row = min(max(int(np.floor(position + 1e-9)), 0), table.shape[0] - 2)
-    weight = position - row
-    for i in range(out.size):
-        out[i] = (1 - weight) * table[row, i] + weight * table[row + 1, i]
-
-
-@numba.njit(cache=True)
-def _strain(state, rails, over_p, over_rails, out):
-    for i in range(out.size):
-        total = 0.0
-        for j in range(over_p.shape[1]):
-            total += over_p[i, j] * state[j]
-        for j in range(over_rails.shape[1]):
-            total -= over_rails[i, j] * rails[j]
-        out[i] = total
-
-
-@numba.njit(cache=True)
-def _runge_kutta(
-    state,
-    step,
-    substeps,
-    records,
-    table,
-    spacing,
-    acceleration_state,
-    acceleration_rails,
-    acceleration_elements,
-    acceleration_flanges,
-    strain_p,
-    strain_rails,
-    axle,
-    stop,
-    play,
-    friction_stiffness,
-    friction_limit,
-    clearance,
-    flange_stiffness,
-):
-    half, size, elements = state.size // 2, state.size, stop.size
-    rails = np.zeros((3, table.shape[1]))
-    strain, slip = np.zeros(elements), np.zeros(elements)
-    rates, trial = np.zeros((4, size)), np.zeros(size)
-    states = np.zeros((records + 1, size))
-    slips = np.zeros((records + 1, elements))
-    rails_seen = np.zeros((records + 1, table.shape[1]))
-    _rails_at(0.0, table, spacing, rails[0])
-    _strain(state, rails[0], strain_p, strain_rails, slip)  # friction starts at zero
-    states[0], slips[0], rails_seen[0] = state, slip, rails[0]
-    for count in range(1, records * substeps + 1):
-        for i in range(3):
-            _rails_at((count - 1 + 0.5 * i) * step, table, spacing, rails[i])
-        for stage in range(4):
-            moment = (stage + 1) // 2
-            weight = 0.0 if stage == 0 else (step if stage == 3 else 0.5 * step)
-            for i in range(size):
-                trial[i] = state[i] + weight * rates[stage - 1, i]
-            _strain(trial, rails[moment], strain_p, strain_rails, strain)
-            for i in range(half):
-                total = 0.0
-                for j in range(size):
-                    total += acceleration_state[i, j] * trial[j]
-                for j in range(rails.shape[1]):
-                    total += acceleration_rails[i, j] * rails[moment, j]
-                rates[stage, i] = trial[half + i]
-                rates[stage, half + i] = total
-            for e in range(elements):
-                limit = friction_limit[e]
-                friction = friction_stiffness[e] * (strain[e] - slip[e])
-                force = min(max(friction, -limit), limit)
-                if abs(strain[e]) > play[e]:
-                    force += stop[e] * (strain[e] - np.sign(strain[e]) * play[e])
-                for i in range(half):
-                    rates[stage, half + i] -= acceleration_elements[i, e] * force
-            for a in range(axle.shape[0]):
-                lateral = 0.0
-                for j in range(half):
-                    lateral += axle[a, j] * trial[j]
-                left = lateral - rails[moment, 4 * a] - clearance
-                right = lateral - rails[moment, 4 * a + 1] + clearance
-                force = -flange_stiffness * (max(left, 0.0) + min(right, 0.0))
-                if force != 0.0:
-                    for i in range(half):
-                        rates[stage, half + i] += acceleration_flanges[i, a] * force
-        for i in range(size):
-            slope = rates[0, i] + 2 * rates[1, i] + 2 * rates[2, i] + rates[3, i]
-            state[i] += step / 6 * slope
-        _strain(state, rails[2], strain_p, strain_rails, strain)
-        for e in range(elements):
-            reach = friction_limit[e] / friction_stiffness[e]
-            slip[e] = min(max(slip[e], strain[e] - reach), strain[e] + reach)
-        if count % substeps == 0:
-            row = count // substeps
-            states[row], slips[row], rails_seen[row] = state, slip, rails[2]
-    return states, slips, rails_seen
+    rails, rail_accelerations, push = np.split(driven, [RAILS, 2 * RAILS], axis=1)
+    return Motion(car, time, states, slips, rails, rail_accelerations, push @ car.mass.T)
