@@ -282,3 +282,6 @@ ESTIMATED_ERROR = 0.5
 
 TRUCK_FORCES = 1e-9
 """Forces of one truck in two formulations, over its weight or over the largest of a random set."""
+
+ROCKING = 3e-3
+"""A body's quarter period on the rim of a hard plate against one on a rigid rim."""

@@ -86,6 +86,7 @@ class CarData:
 
     plate_friction_by_load: bool = False
     wedges_by_load: bool = False
+    plate_leans: bool = False  # a truck that leans on one rail takes the plate along, sideways
 
     @property
     def unsprung_mass(self) -> float:

@@ -100,6 +100,8 @@ class Motion:
         raised, lean = np.moveaxis(self.contacts[:, :, RELIEF], 2, 0)
         strain[:, VERTICAL::ELEMENTS] -= raised
         strain[:, ROLL::ELEMENTS] -= lean
+        if self.car.data.plate_leans:
+            strain[:, ::ELEMENTS] -= self.car.data.centre_plate_height * lean
         return strain
 
     @cached_property

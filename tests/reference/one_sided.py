@@ -6,7 +6,8 @@ exactly one: what an opening relieves grows with it (a monotone complementarity 
 
 Per truck, of the carbody on the bolster: vertical strain and roll strain of the plate, whose two
 rim edges stand at +-radius. Of the unsprung body (wheelsets and side frames) on the rails: `raise`
-and `lean`, how far it stands above and turned from the rails; elements 3 and 4 stand on it.
+and `lean`, how far it stands above and turned from the rails; elements 3 and 4 stand on it, and
+element 1 as well where the plate leans with it.
 """
 
 from __future__ import annotations
@@ -74,6 +75,7 @@ class Truck(NamedTuple):
     half_gauge: float
     plate_height: float
     wedges_by_load: bool
+    plate_leans: bool
 
 
 def truck_of(data: CarData) -> Truck:
@@ -109,6 +111,7 @@ def truck_of(data: CarData) -> Truck:
         data.half_gauge,
         data.centre_plate_height,
         data.wedges_by_load,
+        data.plate_leans,
     )
 
 
@@ -173,9 +176,9 @@ def friction_limits(truck, strain, base, out):
 
 @numba.njit(cache=True)
 def _carried(x, share, reach, elements, strain, slip, limit, load):
-    """Sum over elements 3, 4 of share (load - force), their strains relieved by reach x."""
+    """Sum of share (load - force) over elements, whose strains are relieved by reach x."""
     total = 0.0
-    for i in range(2):
+    for i in range(3):
         if share[i] != 0:
             relieved = strain[i] - reach[i] * x
             total += share[i] * (load[i] - element_force(elements[i], relieved, slip[i], limit[i]))
@@ -186,8 +189,8 @@ def _carried(x, share, reach, elements, strain, slip, limit, load):
 def _relief(share, reach, elements, strain, slip, limit, load):
     """The x at which `_carried`, which grows with x in straight pieces, is zero."""
     low, high, slope = -np.inf, np.inf, 0.0
-    for i in range(2):
-        if share[i] == 0:
+    for i in range(3):
+        if share[i] * reach[i] == 0:
             continue
         element, stretch = elements[i], limit[i] / elements[i].friction
         stiffness = element.stiffness + (element.stop if math.isfinite(element.play) else 0.0)
@@ -204,38 +207,47 @@ def _relief(share, reach, elements, strain, slip, limit, load):
         at_high = _carried(high, share, reach, elements, strain, slip, limit, load)
         return low - (high - low) * at_low / (at_high - at_low) if at_high > at_low else high
     start = low if math.isfinite(low) else high
+    start = start if math.isfinite(start) else 0.0
     return start - _carried(start, share, reach, elements, strain, slip, limit, load) / slope
 
 
 @numba.njit(cache=True)
 def wheel_contact(truck, strain, slip, rail_acceleration, out):
-    """Raise, lean and wheel loads; rail_acceleration (2,): roll [rad/s2], vertical [m/s2]."""
-    gauge = truck.half_gauge
-    lateral = element_force(truck.elements[0], strain[0], slip[0], out[6])
-    load = (
-        truck.inertia * rail_acceleration[0] - truck.plate_height * lateral,
-        truck.weight + truck.mass * rail_acceleration[1],
+    """Raise, lean and wheel loads; rail_acceleration (2,): roll [rad/s2], vertical [m/s2].
+
+    Elements 1 and 3 turn the unsprung body about the track's middle, element 4 lifts it.
+    """
+    gauge, height = truck.half_gauge, truck.plate_height
+    follow = height if truck.plate_leans else 0.0
+    roll, mean = truck.inertia * rail_acceleration[0], truck.mass * rail_acceleration[1]
+    given = (
+        (truck.elements[0], truck.elements[2], truck.elements[3]),
+        (strain[0], strain[2], strain[3]),
+        (slip[0], slip[2], slip[3]),
+        (out[6], out[8], out[9]),
+        (0.0, roll, truck.weight + mean),
     )
-    elements = (truck.elements[2], truck.elements[3])
-    given = (elements, (strain[2], strain[3]), (slip[2], slip[3]), (out[8], out[9]), load)
+    turns, lifts = (height, 1.0, 0.0), (0.0, 0.0, 1.0)
+    moment = _carried(0.0, turns, lifts, *given)
+    total = _carried(0.0, lifts, lifts, *given)
     out[0], out[1] = 0.0, 0.0
-    moment = _carried(0.0, (1.0, 0.0), (1.0, 1.0), *given)
-    total = _carried(0.0, (0.0, 1.0), (1.0, 1.0), *given)
     if total >= abs(moment) / gauge:
         out[14], out[15] = (total + moment / gauge) / 2, (total - moment / gauge) / 2
         return
     for side in range(2):
         sign = 1.0 - 2.0 * side
         if total + sign * moment / gauge < 0:  # this side lifts by x, the other stays
-            reach = (sign / (2 * gauge), 0.5)
-            x = _relief((sign / gauge, 1.0), reach, *given)
-            remaining = _carried(x, (-sign / gauge, 1.0), reach, *given)
+            own = (sign * height / gauge, sign / gauge, 1.0)
+            other = (-sign * height / gauge, -sign / gauge, 1.0)
+            reach = (sign * follow / (2 * gauge), sign / (2 * gauge), 0.5)
+            x = _relief(own, reach, *given)
+            remaining = _carried(x, other, reach, *given)
             if remaining >= 0:
                 out[0], out[1] = x / 2, sign * x / (2 * gauge)
                 out[14 + side], out[15 - side] = 0.0, remaining / 2
                 return
-    out[0] = _relief((0.0, 1.0), (1.0, 1.0), *given)
-    out[1] = _relief((1.0, 0.0), (1.0, 1.0), *given)
+    out[0] = _relief(lifts, lifts, *given)
+    out[1] = _relief(turns, (follow, 1.0, 0.0), *given)
     out[14], out[15] = 0.0, 0.0
 
 

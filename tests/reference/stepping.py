@@ -124,6 +124,8 @@ def _contacts(system, state, driven, slip, strain, out):
         truck_contact(system.truck, strain[own], slip[own], base, closing, rate, rail, out[end])
         strain[first + VERTICAL] -= out[end, 0]
         strain[first + ROLL] -= out[end, 1]
+        if system.truck.plate_leans:
+            strain[first] -= system.truck.plate_height * out[end, 1]
 
 
 @numba.njit(cache=True)
@@ -166,6 +168,8 @@ def _acceleration(system, trial, driven, slip, out):
             force -= system.linear[e] * contacts[end, 0]
         elif number == ROLL:
             force -= system.linear[e] * contacts[end, 1]
+        elif number == 0 and system.truck.plate_leans:
+            force -= system.linear[e] * system.truck.plate_height * contacts[end, 1]
         for i in range(half):
             out[i] -= system.elements[i, e] * force
     for a in range(system.axle.shape[0]):

@@ -23,6 +23,9 @@ FREE = replace(
     friction_limit=(0.0,) * 6,
     modal_damping=0.0,
     contact_damping_ratio=(0.0, 0.0),
+    side_bearing_damping=0.0,
+    side_bearing_friction=0.0,
+    plate_leans=True,
 )
 MIRROR = np.tile(
     # carbody: lateral, vertical, roll, yaw, pitch, torsion, bending; truck: q1 to q6
