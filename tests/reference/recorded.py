@@ -24,6 +24,13 @@ def rails(results: xr.Dataset) -> Array:
     return columns(results, *names)
 
 
+def rail_accelerations(results: xr.Dataset) -> Array:
+    """Vertical accelerations of the rails, left and right under each axle (n, 8) [m/s2]."""
+    sides = ("left", "right")
+    names = [f"track.axle[{axle}].rail_az_{side}" for axle in range(1, 5) for side in sides]
+    return columns(results, *names)
+
+
 def axle_lateral(results: xr.Dataset) -> Array:
     """Lateral motion of the wheelsets (n, 4) [m]."""
     return columns(results, *(f"truck_{end}.axle[{axle}].y" for end, axle in AXLES))

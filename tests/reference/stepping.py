@@ -104,28 +104,30 @@ def _strain(state, rails, over_p, over_rails, out):
 
 
 @numba.njit(cache=True)
-def _contacts(system, state, driven, slip, strain, out):
-    """Contacts (2, COLUMNS) and the strains (12,), which they relieve."""
+def _contacts(system, state, driven, slip, work):
+    """Contacts (2, COLUMNS), and the strains (12,) that they relieve, into `work`."""
+    strain, contacts, motion = work
     half = state.size // 2
-    _strain(state, driven[:RAILS], system.strain_p, system.strain_rails, strain)
+    over_rails, contact = system.strain_rails, system.contact
+    _strain(state, driven[:RAILS], system.strain_p, over_rails, strain)
+    motion[:] = 0.0
     for end in range(2):
-        closing, rate, rail = np.zeros(2), np.zeros(2), np.zeros(2)
-        for i in range(2):
-            row = 2 * end + i
-            for j in range(half):
-                closing[i] += system.contact[row, j] * state[j]
-                rate[i] += system.contact[row, j] * state[half + j]
-            for j in range(RAILS):
-                over = system.strain_rails[ELEMENTS * end + 2 + i, j]
-                rail[i] += over * driven[RAILS + j]
         first = ELEMENTS * end
+        for i in range(2):
+            for j in range(half):
+                motion[0, i] += contact[2 * end + i, j] * state[j]
+                motion[1, i] += contact[2 * end + i, j] * state[half + j]
+            for j in range(RAILS):
+                motion[2, i] += over_rails[first + 2 + i, j] * driven[RAILS + j]
         own = slice(first, first + ELEMENTS)
         base = system.friction_limit[own]
-        truck_contact(system.truck, strain[own], slip[own], base, closing, rate, rail, out[end])
-        strain[first + VERTICAL] -= out[end, 0]
-        strain[first + ROLL] -= out[end, 1]
+        given = (motion[0], motion[1], motion[2])
+        truck_contact(system.truck, strain[own], slip[own], base, *given, contacts[end])
+        motion[:] = 0.0
+        strain[first + VERTICAL] -= contacts[end, 0]
+        strain[first + ROLL] -= contacts[end, 1]
         if system.truck.plate_leans:
-            strain[first] -= system.truck.plate_height * out[end, 1]
+            strain[first] -= system.truck.plate_height * contacts[end, 1]
 
 
 @numba.njit(cache=True)
@@ -145,43 +147,47 @@ def _add_contacts(system, contacts, acceleration):
 
 
 @numba.njit(cache=True)
-def _acceleration(system, trial, driven, slip, out):
+def _acceleration(system, trial, driven, slip, work, out):
     """p'' (20,) at a state (40,), with the slip positions held."""
-    half, elements = trial.size // 2, system.stop.size
-    strain, contacts = np.zeros(elements), np.zeros((2, COLUMNS))
-    _contacts(system, trial, driven, slip, strain, contacts)
+    half, elements = trial.size // 2, slip.size
+    _contacts(system, trial, driven, slip, work)
+    strain, contacts, _ = work
+    over_state, over_rails, over_elements = system.state, system.rails, system.elements
+    stiffness, linear = system.friction_stiffness, system.linear
+    stop, play = system.stop, system.play
+    over_flanges, axle = system.flanges, system.axle
     for i in range(half):
         total = driven[2 * RAILS + i]
         for j in range(trial.size):
-            total += system.state[i, j] * trial[j]
+            total += over_state[i, j] * trial[j]
         for j in range(RAILS):
-            total += system.rails[i, j] * driven[j]
+            total += over_rails[i, j] * driven[j]
         out[i] = total
     for e in range(elements):
         end, number = e // ELEMENTS, e % ELEMENTS
         limit = contacts[end, 6 + number]
-        friction = system.friction_stiffness[e] * (strain[e] - slip[e])
+        friction = stiffness[e] * (strain[e] - slip[e])
         force = min(max(friction, -limit), limit)
-        if abs(strain[e]) > system.play[e]:
-            force += system.stop[e] * (strain[e] - np.sign(strain[e]) * system.play[e])
+        if abs(strain[e]) > play[e]:
+            force += stop[e] * (strain[e] - np.sign(strain[e]) * play[e])
         if number == VERTICAL:
-            force -= system.linear[e] * contacts[end, 0]
+            force -= linear[e] * contacts[end, 0]
         elif number == ROLL:
-            force -= system.linear[e] * contacts[end, 1]
+            force -= linear[e] * contacts[end, 1]
         elif number == 0 and system.truck.plate_leans:
-            force -= system.linear[e] * system.truck.plate_height * contacts[end, 1]
+            force -= linear[e] * system.truck.plate_height * contacts[end, 1]
         for i in range(half):
-            out[i] -= system.elements[i, e] * force
-    for a in range(system.axle.shape[0]):
+            out[i] -= over_elements[i, e] * force
+    for a in range(axle.shape[0]):
         lateral = 0.0
         for j in range(half):
-            lateral += system.axle[a, j] * trial[j]
+            lateral += axle[a, j] * trial[j]
         left = lateral - driven[4 * a] - system.clearance
         right = lateral - driven[4 * a + 1] + system.clearance
         force = -system.flange_stiffness * (max(left, 0.0) + min(right, 0.0))
         if force != 0.0:
             for i in range(half):
-                out[i] += system.flanges[i, a] * force
+                out[i] += over_flanges[i, a] * force
     _add_contacts(system, contacts, out)
 
 
@@ -189,7 +195,8 @@ def _acceleration(system, trial, driven, slip, out):
 def runge_kutta(state, step, substeps, records, table, spacing, system):
     half, size, elements = state.size // 2, state.size, system.stop.size
     driven = np.zeros((3, table.shape[1]))
-    strain, slip, contacts = np.zeros(elements), np.zeros(elements), np.zeros((2, COLUMNS))
+    slip, work = np.zeros(elements), (np.zeros(elements), np.zeros((2, COLUMNS)), np.zeros((3, 2)))
+    strain, contacts, _ = work
     rates, trial = np.zeros((4, size)), np.zeros(size)
     states = np.zeros((records + 1, size))
     slips = np.zeros((records + 1, elements))
@@ -206,11 +213,11 @@ def runge_kutta(state, step, substeps, records, table, spacing, system):
                 trial[i] = state[i] + weight * rates[stage - 1, i]
             for i in range(half):
                 rates[stage, i] = trial[half + i]
-            _acceleration(system, trial, driven[(stage + 1) // 2], slip, rates[stage, half:])
+            _acceleration(system, trial, driven[(stage + 1) // 2], slip, work, rates[stage, half:])
         for i in range(size):
             slope = rates[0, i] + 2 * rates[1, i] + 2 * rates[2, i] + rates[3, i]
             state[i] += step / 6 * slope
-        _contacts(system, state, driven[2], slip, strain, contacts)
+        _contacts(system, state, driven[2], slip, work)
         for e in range(elements):
             limit = contacts[e // ELEMENTS, 6 + e % ELEMENTS]
             reach = limit / system.friction_stiffness[e]

@@ -46,6 +46,7 @@ def reference_of(run: Run, feet_per_second: float, step: float, car: str = "load
         duration,
         start={},
         rails=recorded.rails(run.dataset),
+        rail_accelerations=recorded.rail_accelerations(run.dataset),
         rail_step=step,
         record_step=step,
     )
