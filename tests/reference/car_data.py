@@ -86,7 +86,6 @@ class CarData:
 
     plate_friction_by_load: bool = False
     wedges_by_load: bool = False
-    plate_leans: bool = False  # a truck that leans on one rail takes the plate along, sideways
 
     @property
     def unsprung_mass(self) -> float:
@@ -106,8 +105,8 @@ class CarData:
 
     @property
     def plate_weight(self) -> float:
-        """Static load of a centre plate [N]."""
-        return self.spring_weight - self.bolster_mass * GRAVITY
+        """Static load of a centre plate [N]: half of the body."""
+        return self.body_mass * GRAVITY / 2
 
 
 def car_data(name: str) -> CarData:

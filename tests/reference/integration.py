@@ -95,13 +95,12 @@ class Motion:
 
     @cached_property
     def element_strain(self) -> Array:
-        """Strain of the truck elements (n, 12), elements 3 and 4 over the unsprung body."""
+        """Strain of the truck elements (n, 12), 1, 3 and 4 over the unsprung body."""
         strain = self.strain_over_rails.copy()
         raised, lean = np.moveaxis(self.contacts[:, :, RELIEF], 2, 0)
         strain[:, VERTICAL::ELEMENTS] -= raised
         strain[:, ROLL::ELEMENTS] -= lean
-        if self.car.data.plate_leans:
-            strain[:, ::ELEMENTS] -= self.car.data.centre_plate_height * lean
+        strain[:, ::ELEMENTS] -= self.car.data.centre_plate_height * lean
         return strain
 
     @cached_property

@@ -7,7 +7,8 @@ exactly one: what an opening relieves grows with it (a monotone complementarity 
 Per truck, of the carbody on the bolster: vertical strain and roll strain of the plate, whose two
 rim edges stand at +-radius. Of the unsprung body (wheelsets and side frames) on the rails: `raise`
 and `lean`, how far it stands above and turned from the rails; elements 3 and 4 stand on it, and
-element 1 as well where the plate leans with it.
+the plate leans with it: strain 1 is relieved by its height times `lean`, the work that the lateral
+force does at this height.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ import numpy as np
 
 from reference.car_data import CarData
 
-ROLL, VERTICAL = 2, 3  # elements 3 and 4
+LATERAL, ROLL, VERTICAL = 0, 2, 3  # elements 1, 3 and 4
 RELIEF = slice(0, 2)
 """Columns of a truck's contacts: raise [m] and lean [rad] of the unsprung body;"""
 EDGES = slice(2, 4)
@@ -75,7 +76,6 @@ class Truck(NamedTuple):
     half_gauge: float
     plate_height: float
     wedges_by_load: bool
-    plate_leans: bool
 
 
 def truck_of(data: CarData) -> Truck:
@@ -111,7 +111,6 @@ def truck_of(data: CarData) -> Truck:
         data.half_gauge,
         data.centre_plate_height,
         data.wedges_by_load,
-        data.plate_leans,
     )
 
 
@@ -218,7 +217,6 @@ def wheel_contact(truck, strain, slip, rail_acceleration, out):
     Elements 1 and 3 turn the unsprung body about the track's middle, element 4 lifts it.
     """
     gauge, height = truck.half_gauge, truck.plate_height
-    follow = height if truck.plate_leans else 0.0
     roll, mean = truck.inertia * rail_acceleration[0], truck.mass * rail_acceleration[1]
     given = (
         (truck.elements[0], truck.elements[2], truck.elements[3]),
@@ -239,7 +237,7 @@ def wheel_contact(truck, strain, slip, rail_acceleration, out):
         if total + sign * moment / gauge < 0:  # this side lifts by x, the other stays
             own = (sign * height / gauge, sign / gauge, 1.0)
             other = (-sign * height / gauge, -sign / gauge, 1.0)
-            reach = (sign * follow / (2 * gauge), sign / (2 * gauge), 0.5)
+            reach = (sign * height / (2 * gauge), sign / (2 * gauge), 0.5)
             x = _relief(own, reach, *given)
             remaining = _carried(x, other, reach, *given)
             if remaining >= 0:
@@ -247,7 +245,7 @@ def wheel_contact(truck, strain, slip, rail_acceleration, out):
                 out[14 + side], out[15 - side] = 0.0, remaining / 2
                 return
     out[0] = _relief(lifts, lifts, *given)
-    out[1] = _relief(turns, (follow, 1.0, 0.0), *given)
+    out[1] = _relief(turns, turns, *given)
     out[14], out[15] = 0.0, 0.0
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from reference.car_data import Array
 from reference.monolithic_car import COORDINATES, ELEMENTS, MonolithicCar
-from reference.one_sided import COLUMNS, ROLL, VERTICAL, Truck, truck_contact, truck_of
+from reference.one_sided import COLUMNS, LATERAL, ROLL, VERTICAL, Truck, truck_contact, truck_of
 
 RAILS = 16
 
@@ -126,8 +126,7 @@ def _contacts(system, state, driven, slip, work):
         motion[:] = 0.0
         strain[first + VERTICAL] -= contacts[end, 0]
         strain[first + ROLL] -= contacts[end, 1]
-        if system.truck.plate_leans:
-            strain[first] -= system.truck.plate_height * contacts[end, 1]
+        strain[first + LATERAL] -= system.truck.plate_height * contacts[end, 1]
 
 
 @numba.njit(cache=True)
@@ -174,7 +173,7 @@ def _acceleration(system, trial, driven, slip, work, out):
             force -= linear[e] * contacts[end, 0]
         elif number == ROLL:
             force -= linear[e] * contacts[end, 1]
-        elif number == 0 and system.truck.plate_leans:
+        elif number == LATERAL:
             force -= linear[e] * system.truck.plate_height * contacts[end, 1]
         for i in range(half):
             out[i] -= over_elements[i, e] * force

@@ -25,7 +25,6 @@ FREE = replace(
     contact_damping_ratio=(0.0, 0.0),
     side_bearing_damping=0.0,
     side_bearing_friction=0.0,
-    plate_leans=True,
 )
 MIRROR = np.tile(
     # carbody: lateral, vertical, roll, yaw, pitch, torsion, bending; truck: q1 to q6

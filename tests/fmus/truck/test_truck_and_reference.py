@@ -67,7 +67,7 @@ def expected(data: CarData, x: np.ndarray, u: np.ndarray) -> dict[str, np.ndarra
     strain, slip = strain[:, 0].copy(), slip[:, 0]
     strain[:, 3] -= contacts[:, 0]
     strain[:, 2] -= contacts[:, 1]
-    strain[:, 0] -= data.centre_plate_height * contacts[:, 1] * data.plate_leans
+    strain[:, 0] -= data.centre_plate_height * contacts[:, 1]
     play, limit = np.array(data.free_play), contacts[:, LIMITS]
     spring = data.spring * strain + data.stop_stiffness * (strain - np.clip(strain, -play, play))
     friction = np.clip(data.friction_stiffness * (strain - slip), -limit, limit)
