@@ -53,7 +53,7 @@ def rms(value: np.ndarray) -> float:
 
 
 def errors(car: str, step: float, duration: float) -> tuple[float, float]:
-    """Rms error of the wheel loads over the static one, and the largest relative one of `MOTIONS`."""
+    """Rms error of the wheel loads over the static one, and largest relative one of `MOTIONS`."""
     loads, state, motion = both(car, step, duration)
     each = [rms((state - motion.state)[:, i]) / rms(motion.state[:, i]) for i in MOTIONS]
     return rms(loads - motion.wheel_load) / (DATA[car].axle_weight / 2), max(each)
