@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from functools import cached_property
 from typing import Self
 from uuid import uuid4
@@ -90,7 +90,7 @@ class Execution:
 
     def prepare(self) -> None:
         """Load the instances and give them their start values; own the folder from here on."""
-        with departing(self._last_words):
+        with self.guarded():
             self._prepare()
 
     def _prepare(self) -> None:
@@ -118,7 +118,7 @@ class Execution:
 
     def initialise(self) -> None:
         """Bring all values at the start into agreement, and have the master ready to step."""
-        with departing(self._last_words):
+        with self.guarded():
             self._initialise()
 
     def _initialise(self) -> None:
@@ -150,6 +150,12 @@ class Execution:
         if self._watch.searching:
             self._watch.search(lambda: settle(c.plan, c.slaves, stepping))
 
+    @contextmanager
+    def guarded(self) -> Iterator[None]:
+        """While FMUs have the word: one that ends the program is named, and rows are kept."""
+        with departing(self._last_words):
+            yield
+
     def _last_words(self) -> str:
         """Keep what was computed, and say which FMU ends the program."""
         c, out = self.context, self.context.settings.out
@@ -170,7 +176,7 @@ class Execution:
     def run(self, progress: Progress | None = None) -> Outcome | None:
         """Step to the end, or to what stops it: why, else None."""
         stepper = self._ready()
-        with departing(self._last_words):
+        with self.guarded():
             self.outcome = stepper.run(progress)
         self._row = stepper.rows_done - 1
         return self.outcome
@@ -180,7 +186,7 @@ class Execution:
         stepper = self._ready()
         wanted = min(self._row + count, self.context.grid.steps)
         if self.outcome is None and stepper.rows_done <= wanted:
-            with departing(self._last_words):
+            with self.guarded():
                 self.outcome = stepper.step(wanted)
         self._row = min(wanted, stepper.rows_done - 1)
         return self.outcome is None and self._row < self.context.grid.steps

@@ -10,6 +10,7 @@ from typing import TextIO
 
 from ..errors import LogError, choices
 from ..slaves.listener import Listener
+from ..slaves.status import fine, returned
 
 LEVELS = {"all": 0, "warning": 1, "error": 3}
 """Names of the levels, and the least status of FMI that each lets through."""
@@ -19,9 +20,6 @@ REPEATS = 10
 
 LINES = 10_000
 """Lines of an instance that are written; what comes after them is counted."""
-
-STATUS_NAMES = ("ok", "warning", "discard", "error", "fatal", "pending")
-"""Of FMI, by number."""
 
 
 class Log:
@@ -54,7 +52,7 @@ class Log:
 
     def write(self, instance: str, status: int, text: str, time: float | None = None) -> None:
         """Take a message; without a time it is the clock's [s]."""
-        if status < self._least:
+        if fine(status) and status < self._least:
             return
         self._lines[instance] += 1
         if self._lines[instance] > LINES:
@@ -65,7 +63,7 @@ class Log:
             return
         now = self.clock() if time is None else time
         when = "start" if now is None else f"{now:.6f} s"
-        self._line(f"{when}  {instance}  {STATUS_NAMES[status]}: {text}")
+        self._line(f"{when}  {instance}  {_named(status)}: {text}")
 
     def close(self) -> None:
         """Say what was left out, and close the file."""
@@ -112,9 +110,14 @@ class _Told:
         self.clock: Callable[[], float | None] = lambda: None
 
     def write(self, instance: str, status: int, text: str, time: float | None = None) -> None:
-        self._function(instance, STATUS_NAMES[status], text)
+        self._function(instance, _named(status), text)
 
 
 def listener(logger: Logger | None) -> Listener | None:
     """What hears the FMUs on behalf of a logger."""
     return logger if logger is None or isinstance(logger, Log) else _Told(logger)
+
+
+def _named(status: int) -> str:
+    """A status in words."""
+    return returned(status).partition(" ")[2]

@@ -105,6 +105,7 @@ def _predict(execution: Execution) -> None:
     """Add the largest stable step to the evidence, and what the self-test found to the notes."""
     c, tests = execution.context, execution.evidence.tests
     at_start = Start(c.system, c.plan, execution.first_row, c.grid.start, execution.isolated)
-    limit, unknown = step_limit(at_start, c.grid.step, c.master, tests)
+    with execution.guarded():
+        limit, unknown = step_limit(at_start, c.grid.step, c.master, tests)
     execution.evidence = evidence = replace(execution.evidence, limit=limit)
     execution.notes += [*evidence.notes(c.master.notes(evidence.distrusted)), *unknown]

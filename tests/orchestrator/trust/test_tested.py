@@ -16,6 +16,7 @@ from orchestrator import Component, System, simulate
 from orchestrator.trust import tested
 from orchestrator.trust.findings import CHECKS
 from orchestrator.trust.tested import self_tests
+from support.manners import manners
 from support.mishap import KINDS, mishap
 from support.native_slaves import DAMPER, archive, build_damper, description, library
 from tracktrain.cli.main import main
@@ -65,6 +66,21 @@ def test_a_crash_is_a_finding_and_the_other_fmus_are_tested(tmp_path):
     assert [f.check for f in found["odd"].errors] == ["process"]
     assert found["odd"].errors[0].text == "its self-test crashed (SIGSEGV: segmentation fault)"
     assert "dependencies" in found["even"].passed
+
+
+@pytest.mark.parametrize(
+    ("manner", "said"),
+    [
+        ("NO_INSTANCE", "no_instance.fmu failed its self-test"),
+        ("LEAVE", "leave.fmu failed its self-test"),
+        ("STATUS", "status.fmu did not pass its self-test: not tested were surroundings,"),
+    ],
+)
+def test_what_could_not_be_tested_has_not_passed(tmp_path, manner, said):
+    file = str(manners(tmp_path, manner).file)
+    result = command(file, "--set", "at=0.0", "--set", "answer=3.0")
+    assert result.exit_code == 1
+    assert said in flat(result)
 
 
 def test_an_fmu_that_crashed_runs_in_a_process_of_its_own(tmp_path):

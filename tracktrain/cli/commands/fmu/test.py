@@ -40,7 +40,7 @@ def command(ctx: click.Context, file: Path, values: tuple[str, ...]) -> None:
     for check in dict.fromkeys([*orchestrator.CHECKS, *(f.check for f in found.findings)]):
         said = [f for f in found.findings if f.check == check]
         if check not in found.passed and not said:
-            grid.add_row(check, "not offered")
+            grid.add_row(check, "not offered" if "start" in found.passed else "not tested")
             continue
         texts = [f"{'' if f.wrong else 'note: '}{f.text}" for f in said]
         head = ["passed"] if check in found.passed else []
