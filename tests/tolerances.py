@@ -66,7 +66,8 @@ scheme leaves. On `report` flanges touch, on `fra4` they strike within macro ste
 bounces on stuck springs at 22 Hz."""
 
 ONE_PASS_GAIN = 1000
-"""Held over one-pass error of the leading axle at 100 ft/s, 1 ms: 1750 to 15 000 on six seeds."""
+"""Held over one-pass error of the leading axle at 100 ft/s, 1 ms: 1750 to 15 000 on six seeds of
+`report-grid`."""
 
 LIMIT_CYCLE = 0.01
 """Relative difference of limit-cycle amplitudes; the flange's kinks within macro steps."""
