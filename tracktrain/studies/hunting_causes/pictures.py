@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 import numpy as np
@@ -11,10 +10,8 @@ from matplotlib.figure import Figure
 
 from ...plots import BLUE, GREEN, INK, MUTED, RED, STYLE
 from ...scales import MILE_PER_HOUR
+from .cases import Case
 from .factors import field_speeds
-
-if TYPE_CHECKING:
-    from .study import Case
 
 KINDS = {"stuck": BLUE, "damper": GREEN}
 """Colours of the kinds of friction."""
