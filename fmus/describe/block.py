@@ -9,13 +9,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import casadi as ca
 import numpy as np
 
 from .terminals import Terminal
+from .units import NOMINAL
 from .variables import Array, Constant, Input, Output, Parameter, Tangent, Values, Variable
+
+V = TypeVar("V", bound=Variable)
 
 Signals = Mapping[str, ca.SX]
 """Symbols or expressions by name. They are scalars; derived constants may be matrices."""
@@ -74,6 +77,10 @@ class Block:
     terminals: Sequence[Terminal] = ()
     table: Table | None = None
     switch: str | None = None
+
+    def __init_subclass__(cls) -> None:
+        cls.outputs = tuple(map(_with_nominal, getattr(cls, "outputs", ())))
+        cls.states = tuple(map(_with_nominal, cls.states))
 
     def derived_function(self) -> ca.Function:
         """CasADi function from the vector of parameters to the vector of derived constants.
@@ -393,12 +400,19 @@ class Functions:
 def _derivative_of(state: State) -> Output:
     """A variable for a state's time derivative."""
     whole, per_second = state.unit.removesuffix("/s"), state.unit.endswith("/s")
-    return Output(
-        f"der({state.name})",
-        f"{whole}/s2" if per_second else f"{whole}/s",
-        f"{state.description}, time derivative",
-        derivative_of=state.name,
+    return _with_nominal(
+        Output(
+            f"der({state.name})",
+            f"{whole}/s2" if per_second else f"{whole}/s",
+            f"{state.description}, time derivative",
+            derivative_of=state.name,
+        )
     )
+
+
+def _with_nominal(variable: V) -> V:
+    """The variable with the usual size in its unit, if it states none."""
+    return replace(variable, nominal=variable.nominal or NOMINAL.get(variable.unit))
 
 
 def _flat(constants: Signals) -> ca.SX:

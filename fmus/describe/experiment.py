@@ -31,6 +31,8 @@ class Experiment:
     """Inputs that stand still while results are read, and the results that belong to them.
 
     tolerance: largest difference over the largest value of a column, with its reason in `method`.
+    exchange_tolerance: the same for model exchange with an integrator as exact as the default
+        experiment asks for; None if no integrator matters.
     solve: stimuli and results from the values [SI] of all parameters.
     parameters: what differs from the values that the FMU starts with.
     """
@@ -40,10 +42,17 @@ class Experiment:
     tolerance: float
     solve: Callable[[Values], tuple[Table, Table]]
     parameters: Values = field(default_factory=dict)
+    exchange_tolerance: float | None = None
 
     @property
     def name(self) -> str:
         return self.block.name
+
+    @property
+    def tolerances(self) -> dict[str, float]:
+        """Largest difference by interface."""
+        exchange = self.exchange_tolerance or self.tolerance
+        return {"co-simulation": self.tolerance, "model exchange": exchange}
 
     @property
     def folder(self) -> Path:

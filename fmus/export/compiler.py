@@ -49,9 +49,15 @@ TARGETS = {
     )
 }
 
+LANGUAGE = "C99"
+"""What our C is written in, as FMI's build descriptions call it."""
+
 # The same rounding on every platform: no fused multiply-add. zig traps on undefined
 # behaviour unless optimising; -g0 and no build id keep the bytes the same on every build.
-FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden", "-g0")
+FLAGS = (
+    f"-std={LANGUAGE.lower()}",
+    *("-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden", "-g0"),
+)
 
 
 def host_target() -> Target:

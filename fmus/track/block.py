@@ -141,7 +141,7 @@ class Track(Block):
     inputs = (Input("speed", "m/s", "Speed of the car", start=18.288),)
     outputs = (
         Output("distance", "m", "Distance travelled", nominal=100.0),
-        Output("speed_out", "m/s", "Speed, passed through", derivative_of="distance"),
+        Output("speed_out", "m/s", "Speed, passed through", nominal=10.0, derivative_of="distance"),
         *(rail for axle in AXLES for rail in _rails(axle)),
         *(rail for axle in AXLES for rail in _accelerations(axle)),
     )

@@ -40,4 +40,5 @@ EXPERIMENT = Experiment(
     1e-3,
     _solve,
     {"micro_step": 2.5e-5},
+    exchange_tolerance=3e-3,
 )

@@ -18,8 +18,7 @@ STEP = 1e-3
 PAST_THE_END = [2**31, 2**32 - 1]
 NUMBERS = st.sampled_from([0.0, -0.0, 1e-3, -1.0, 5e4, 1e-300, 1e308, -1e308]) | st.floats()
 TIMES = st.sampled_from([0.0, 0.25, -3.0, 1e9, 1e308, math.nan, math.inf])
-# Between these lie steps that are legal and take an hour.
-SIZES = st.sampled_from([0.0, 1e-9, 1e-4, STEP, 0.02, 1e300, -STEP, -0.0, math.nan, math.inf])
+SIZES = st.sampled_from([0.0, 1e-9, 1e-4, STEP, 0.02, 1e3, 1e300, -STEP, -0.0, math.nan, math.inf])
 SETTINGS = settings(
     max_examples=200,
     stateful_step_count=30,

@@ -77,11 +77,22 @@ static int is_kind(Kind own, Kind asked) {
     return own == asked || (asked == WHOLE && (own == INTEGER || own == ENUMERATION));
 }
 
+static int is_whole(Kind kind, double value) { return kind == REAL || value == floor(value); }
+
 static Status check_settable(Instance *instance, uint32_t reference, Kind kind, double value) {
     const State *s = &instance->state;
     if (reference == 0 || reference >= N_REFERENCES)
         return core_fail(instance, "value reference %u cannot be set: parameters and inputs are %d to %d",
                          (unsigned)reference, FIRST_PARAMETER, FIRST_OUTPUT - 1);
+    /* Importers such as CasADi's set continuous states by their references. */
+    if (continuous_place(STATE_REFERENCE, reference) >= 0 && instance->interface == MODEL_EXCHANGE) {
+        const char *name = CALCULATED_NAME[reference - FIRST_OUTPUT];
+        if (s->phase != CONTINUOUS_MODE && s->phase != EVENT_MODE)
+            return core_fail(instance, "%s is a state: it is set in event mode or continuous-time mode", name);
+        return finite_number(value) ? OK
+                                    : core_fail(instance, "the state %s cannot be %g: a finite number is needed",
+                                                name, value);
+    }
     if (reference >= FIRST_OUTPUT)
         return core_fail(instance, "%s is %s and cannot be set", CALCULATED_NAME[reference - FIRST_OUTPUT],
                          reference < FIRST_LOCAL      ? "an output"
@@ -105,10 +116,14 @@ static Status check_settable(Instance *instance, uint32_t reference, Kind kind, 
 }
 
 static void store(State *s, uint32_t reference, double value) {
+    s->outputs_stale = 1;
+    if (reference >= FIRST_OUTPUT) {
+        s->x[continuous_place(STATE_REFERENCE, reference)] = value;
+        return;
+    }
     /* A parameter that is told again what it is has nothing follow from it. */
     if (reference < FIRST_INPUT && memcmp(s->value + reference, &value, sizeof value) == 0) return;
     s->value[reference] = value;
-    s->outputs_stale = 1;
     if (reference < FIRST_INPUT) s->derived_stale = 1;
     else s->given[reference - FIRST_INPUT] = value;
     if (!started(s)) s->states_stale = 1;
@@ -210,6 +225,23 @@ Status core_get_kind(Instance *instance, uint32_t reference, Kind kind, double *
         return core_fail(instance, "%s is of type %s and cannot be read as %s",
                          VARIABLE_INFO[reference - 1].name, KIND_NAME[own], KIND_NAME[kind]);
     *value = instance->state.value[reference];
+    return OK;
+}
+
+Status core_check_state(Instance *instance, const State *s) {
+    const char *broken = NULL;
+    int flags = s->derived_stale | s->states_stale | s->outputs_stale;
+    if ((unsigned)s->phase > TERMINATED || (flags & ~1) || !finite_number(s->time)) broken = "time or mode";
+    for (uint32_t r = FIRST_PARAMETER; !broken && r < FIRST_OUTPUT; r++) {
+        const VariableInfo *info = VARIABLE_INFO + r - 1;
+        int possible = s->value[r] >= info->minimum && s->value[r] <= info->maximum;
+        if (!possible || !is_whole(info->kind, s->value[r])) broken = info->name;
+    }
+    if (!broken && s->phase > INITIALIZING) {
+        broken = first_lost(s->x, s->value + FIRST_INPUT);
+        if (!broken && !all_finite(s->mode, N_MODES)) broken = "a mode";
+    }
+    if (broken) return core_fail(instance, "these bytes are a damaged state: %s is out of its range", broken);
     return OK;
 }
 

@@ -104,6 +104,8 @@ Status core_directional(Instance *instance, const uint32_t *unknown, size_t unkn
                         const uint32_t *known, size_t known_count, const double *seed,
                         double *sensitivity);
 Status core_restore(Instance *instance, const State *state);
+/* Whether a state that came as bytes could be one of this block's. */
+Status core_check_state(Instance *instance, const State *state);
 
 /* Model exchange. `count` must be the number of continuous states, or of event indicators. */
 Status core_enter_event_mode(Instance *instance);

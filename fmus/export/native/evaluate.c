@@ -169,6 +169,9 @@ Status update_memory(Instance *instance) {
     instance->res[0] = memory;
     instance->res[1] = mode;
     CALL(memory_after);
+    for (int i = 0; i < N_MEMORY; i++)
+        if (!finite_number(memory[i]))
+            return core_fail(instance, "%s is no longer finite at t = %.17g s", STATE_NAME[N_CONTINUOUS + i], s->time);
     memcpy(s->x + N_CONTINUOUS, memory, sizeof memory);
     memcpy(s->mode, mode, N_MODES * sizeof *mode);
     s->outputs_stale = 1;
@@ -176,8 +179,8 @@ Status update_memory(Instance *instance) {
     return OK;
 }
 
-/* More micro steps than this in one step are taken for a mistake in the step or the parameters. */
-static const double MOST_MICRO_STEPS = 1e8;
+/* A step of this many micro steps takes about a second; more are a mistake in the step or the parameters. */
+static const double MOST_MICRO_STEPS = 1e6;
 
 Status core_plan(Instance *instance, double time, double size, long *count) {
     State *s = &instance->state;
@@ -195,7 +198,9 @@ Status core_plan(Instance *instance, double time, double size, long *count) {
     CALL(largest_step);
     double steps = ceil(size / largest - 1e-9);
     if (!(steps <= MOST_MICRO_STEPS))
-        return core_fail(instance, "doStep by %g s needs micro steps of %g s: too many", size, largest);
+        return core_fail(instance, "doStep by %g s would take %g micro steps of %g s, and %g are the most: take "
+                                   "shorter steps, or correct the parameters that make micro steps so short",
+                         size, steps, largest, MOST_MICRO_STEPS);
     *count = steps > 1.0 ? (long)steps : 1;
     return OK;
 }

@@ -19,6 +19,8 @@ static void report(void *environment, Status status, const char *message) {
 }
 
 #define CORE (((Slave *)c)->core)
+#define NEEDS_PLACE(place) \
+    if (!(place)) return slave_refuse(c, "a place for the result is missing: it is NULL")
 
 EXPORT(const char *, fmi2GetTypesPlatform)(void) { return "default"; }
 EXPORT(const char *, fmi2GetVersion)(void) { return "2.0"; }
@@ -36,9 +38,10 @@ EXPORT(fmi2Component, fmi2Instantiate)(fmi2String name, fmi2Type type, fmi2Strin
     Fmu *fmu = calloc(1, sizeof *fmu);
     if (!fmu) return NULL;
     if (callbacks) fmu->callbacks = *callbacks;
-    const char *problem = type != MODEL_EXCHANGE && type != CO_SIMULATION
-                              ? "an instance is for model exchange (0) or for co-simulation (1)"
-                              : slave_create(&fmu->slave, (Interface)type, name, guid, report, fmu);
+    const char *wrong = type != MODEL_EXCHANGE && type != CO_SIMULATION
+                            ? "an instance is for model exchange (0) or for co-simulation (1)"
+                            : NULL;
+    const char *problem = slave_create(&fmu->slave, (Interface)type, name, guid, report, fmu, wrong);
     if (!problem) return fmu;
     report(fmu, ERROR, problem);
     slave_clear(&fmu->slave);
@@ -207,6 +210,7 @@ EXPORT(fmi2Status, fmi2GetStatus)(fmi2Component c, fmi2StatusKind kind, fmi2Stat
 EXPORT(fmi2Status, fmi2GetRealStatus)(fmi2Component c, fmi2StatusKind kind, fmi2Real *value) {
     NEEDS_INSTANCE;
     if (kind != FMI2_LAST_SUCCESSFUL_TIME) return FMI2_DISCARD;
+    NEEDS_PLACE(value);
     *value = CORE->state.time;
     return FMI2_OK;
 }
@@ -219,6 +223,7 @@ EXPORT(fmi2Status, fmi2GetIntegerStatus)(fmi2Component c, fmi2StatusKind kind, f
 EXPORT(fmi2Status, fmi2GetBooleanStatus)(fmi2Component c, fmi2StatusKind kind, fmi2Boolean *value) {
     NEEDS_INSTANCE;
     if (kind != FMI2_TERMINATED) return FMI2_DISCARD;
+    NEEDS_PLACE(value);
     *value = 0;
     return FMI2_OK;
 }
@@ -227,9 +232,6 @@ EXPORT(fmi2Status, fmi2GetStringStatus)(fmi2Component c, fmi2StatusKind kind, fm
     (void)kind, (void)value;
     return c ? FMI2_DISCARD : FMI2_ERROR;
 }
-
-#define NEEDS_PLACE(place) \
-    if (!(place)) return slave_refuse(c, "a place for the result is missing: it is NULL")
 
 EXPORT(fmi2Status, fmi2EnterEventMode)(fmi2Component c) {
     NEEDS_INSTANCE;

@@ -1,4 +1,5 @@
 /* FMI 3.0, co-simulation and model exchange: instances, values and saved states over the core. */
+#include "evaluate.h"
 #include "fmi3.h"
 
 #include <stdlib.h>
@@ -22,7 +23,7 @@ static Fmu *instantiate(Interface interface, fmi3String name, fmi3String token,
     if (!fmu) return NULL;
     fmu->environment = environment;
     fmu->log = log;
-    if (!problem) problem = slave_create(&fmu->slave, interface, name, token, report, fmu);
+    problem = slave_create(&fmu->slave, interface, name, token, report, fmu, problem);
     if (!problem) return fmu;
     report(fmu, ERROR, problem);
     slave_clear(&fmu->slave);
@@ -136,7 +137,7 @@ EXPORT(fmi3Status, fmi3GetFloat64)(fmi3Instance c, const fmi3ValueReference vr[]
     for (size_t i = 0; i < count; i++) {
         const uint32_t *element;
         size_t size = elements(vr + i, &element);
-        Status status = element ? core_get(CORE, element, size, value) : core_event_indicators(CORE, value, size);
+        Status status = element ? core_get(CORE, element, size, value) : evaluate_indicators(CORE, value);
         if (status != OK) return status;
         value += size;
     }
@@ -151,10 +152,18 @@ EXPORT(fmi3Status, fmi3SetFloat64)(fmi3Instance c, const fmi3ValueReference vr[]
     NEEDS_SETTABLE;
     if (NOW == AFTER_MICRO_STEP) return slave_refuse(c, "inputs are set before a micro step, and this one is finished");
     if (check_count(c, vr, count, value_count, &scalar) != OK) return ERROR;
-    if (scalar)
-        return NOW == NO_UPDATE ? core_set(CORE, vr, count, value)
-                                : core_set_ahead(CORE, vr, count, value, ((Fmu *)c)->micro);
-    return slave_refuse(c, "arrays are calculated and cannot be set");
+    if (NOW != NO_UPDATE)
+        return scalar ? core_set_ahead(CORE, vr, count, value, ((Fmu *)c)->micro)
+                      : slave_refuse(c, "within a step inputs are set, and no array is an input");
+    if (scalar) return core_set(CORE, vr, count, value);
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t *element;
+        size_t size = elements(vr + i, &element);
+        if (!element) return slave_refuse(c, "event indicators are calculated and cannot be set");
+        if (core_set(CORE, element, size, value) != OK) return ERROR;
+        value += size;
+    }
+    return OK;
 }
 
 #define WHOLE_NUMBERS(name, type, kind)                                                                      \

@@ -24,6 +24,7 @@
 #define check_count INTERNAL(check_count)
 #define continuous_place INTERNAL(continuous_place)
 #define core_advance INTERNAL(core_advance)
+#define core_check_state INTERNAL(core_check_state)
 #define core_completed_step INTERNAL(core_completed_step)
 #define core_create INTERNAL(core_create)
 #define core_derivatives INTERNAL(core_derivatives)

@@ -13,14 +13,16 @@ static void forget_experiment(Slave *slave) {
 }
 
 const char *slave_create(Slave *slave, Interface interface, const char *name, const char *token,
-                         Report report, void *environment) {
-    if (!name || !*name) return "an instance needs a name";
+                         Report report, void *environment, const char *problem) {
+    slave->name = malloc(name ? strlen(name) + 1 : 1);
+    if (!slave->name) return "not enough memory";
+    strcpy(slave->name, name ? name : "");
+    if (problem) return problem;
+    if (!*slave->name) return "an instance needs a name";
     if (!token || strcmp(token, GUID) != 0)
         return "the GUID differs from the model description's: binary and description do not belong together";
-    slave->name = malloc(strlen(name) + 1);
     slave->core = core_create(interface, report, environment);
-    if (!slave->name || !slave->core) return "not enough memory";
-    strcpy(slave->name, name);
+    if (!slave->core) return "not enough memory";
     forget_experiment(slave);
     return NULL;
 }
@@ -94,8 +96,16 @@ Status slave_free_state(void **state) {
     return OK;
 }
 
-/* Serialized: the GUID, then the state's bytes; another build's bytes are refused. */
-enum { SERIALIZED_SIZE = sizeof GUID + sizeof(State) };
+/* Serialized: the GUID, by which another build's bytes are refused, a checksum, the state's bytes. */
+enum { CHECKSUM = sizeof GUID, BODY = CHECKSUM + sizeof(uint64_t), SERIALIZED_SIZE = BODY + sizeof(State) };
+
+/* FNV-1a, 64 bits: http://www.isthe.com/chongo/tech/comp/fnv */
+static uint64_t checksum(const State *state) {
+    const unsigned char *byte = (const unsigned char *)state;
+    uint64_t sum = UINT64_C(0xcbf29ce484222325);
+    for (size_t i = 0; i < sizeof *state; i++) sum = (sum ^ byte[i]) * UINT64_C(0x100000001b3);
+    return sum;
+}
 
 Status slave_serialized_size(Slave *slave, const void *state, size_t *size) {
     if (!state || !size) return slave_refuse(slave, "a saved state and a place for its size are needed");
@@ -106,15 +116,25 @@ Status slave_serialized_size(Slave *slave, const void *state, size_t *size) {
 Status slave_serialize(Slave *slave, const void *state, void *bytes, size_t size) {
     if (!state || !bytes || size < SERIALIZED_SIZE)
         return slave_refuse(slave, "too few bytes to serialize the state into");
+    uint64_t sum = checksum(state);
     memcpy(bytes, GUID, sizeof GUID);
-    memcpy((char *)bytes + sizeof GUID, state, sizeof(State));
+    memcpy((char *)bytes + CHECKSUM, &sum, sizeof sum);
+    memcpy((char *)bytes + BODY, state, sizeof(State));
     return OK;
 }
 
 Status slave_deserialize(Slave *slave, const void *bytes, size_t size, void **state) {
-    if (!bytes || !state || size < SERIALIZED_SIZE || memcmp(bytes, GUID, sizeof GUID) != 0)
+    State given;
+    uint64_t sum;
+    if (!bytes || !state || size != SERIALIZED_SIZE || memcmp(bytes, GUID, sizeof GUID) != 0)
         return slave_refuse(slave, "these bytes are no state of this FMU, or of another build of it");
-    if (make_room(slave, state) != OK) return ERROR;
-    memcpy(*state, (const char *)bytes + sizeof GUID, sizeof(State));
+    memcpy(&sum, (const char *)bytes + CHECKSUM, sizeof sum);
+    memcpy(&given, (const char *)bytes + BODY, sizeof given);
+    if (sum != checksum(&given))
+        return slave_refuse(slave, "these bytes are a damaged state: the checksum does not fit");
+    if (core_check_state(slave->core, &given) != OK || make_room(slave, state) != OK) return ERROR;
+    given.derived_stale = 1; /* what follows from the rest is computed, not believed */
+    if (given.phase <= INITIALIZING) given.states_stale = 1;
+    memcpy(*state, &given, sizeof given);
     return OK;
 }

@@ -19,9 +19,10 @@ typedef struct {
     double start, stop;
 } Slave;
 
-/* Fills the slave; NULL, or why there can be no such instance. */
+/* Fills the slave, its name first, for the log; NULL, or why there can be no such instance: `problem`,
+ * if the caller knows of one. */
 const char *slave_create(Slave *slave, Interface interface, const char *name, const char *token,
-                         Report report, void *environment);
+                         Report report, void *environment, const char *problem);
 void slave_clear(Slave *slave);
 
 /* ERROR, after the message has been logged; a slave that is not there has no log. */

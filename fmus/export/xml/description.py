@@ -23,6 +23,9 @@ OURS = {
 
 STEP_SIZE = 1e-3
 STOP_TIME = 8.0
+TOLERANCE = 1e-8
+"""Relative, for an integrator of model exchange; with 1e-5 the truck's friction is lost."""
+
 DISPLAY = {"rad": ("deg", 57.29577951308232)}
 """Units in which values of another unit are shown, and how many are one of it."""
 
@@ -60,6 +63,8 @@ def definitions(
     SubElement(categories, "Category", name="logStatusWarning", description="Warnings")
     SubElement(categories, "Category", name="logStatusError", description="Why a call was refused")
     times = {"startTime": "0", "stopTime": repr(STOP_TIME), "stepSize": repr(STEP_SIZE)}
+    if model.derivatives:
+        times["tolerance"] = repr(TOLERANCE)
     SubElement(root, "DefaultExperiment", times)
 
 

@@ -72,7 +72,7 @@ def _variables(root: Element, block: Block, listed: Iterable[ModelVariable]) -> 
         for size in v.shape:
             SubElement(element, "Dimension", start=str(size))
     if block.indicators:
-        told = f"Event indicators: {', '.join(block.indicators)}"
+        told = f"Event indicators of model exchange: {', '.join(block.indicators)}"
         after = _after(listed)
         v = ModelVariable(INDICATORS, after, told, "local", "continuous", "calculated")
         indicators = SubElement(model, "Float64", identity(v))

@@ -14,6 +14,7 @@ from fmpy.build import build_platform_binary
 from fmpy.model_description import read_build_description
 
 from fmus.catalogue import fmu_path
+from fmus.export.compiler import LANGUAGE
 from fmus.names import NAMES
 from support.fmi3_instance import INSTANCE
 from support.functions import FUNCTIONS
@@ -91,11 +92,10 @@ def test_fmpy_compile_gives_the_same_bits(block_name, fmi, tmp_path):
 
 
 def test_the_hosts_compiler_finds_nothing_and_gives_the_same_bits(block_name, fmi, tmp_path):
-    """As C99, which is less than the C11 that they are built as."""
     folder = unpacked(fmu_path(block_name, fmi), tmp_path / "fmu")
     library = folder / "binaries" / FOLDER[fmi] / f"{block_name}{fmpy.sharedLibraryExtension}"
     library.parent.mkdir(parents=True)
-    flags = ("-std=c99", "-O1", "-Wall", "-Wextra", "-fPIC", "-shared")
+    flags = (f"-std={LANGUAGE.lower()}", "-O1", "-Wall", "-Wextra", "-fPIC", "-shared")
     said = cc(*flags, *source_files(folder), "-o", library, "-lm", folder=folder / "sources")
     assert said == ""
     assert np.array_equal(outputs(packed(folder), fmi), outputs(fmu_path(block_name, fmi), fmi))
