@@ -15,8 +15,7 @@ import casadi as ca
 import numpy as np
 
 from .terminals import Terminal
-from .units import NOMINAL
-from .variables import Array, Constant, Input, Output, Parameter, Tangent, Values, Variable
+from .variables import NOMINAL, Array, Constant, Input, Output, Parameter, Tangent, Values, Variable
 
 V = TypeVar("V", bound=Variable)
 

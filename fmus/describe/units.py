@@ -10,21 +10,6 @@ import pint
 REGISTRY = pint.get_application_registry()
 BASE = {"kilogram": "kg", "meter": "m", "second": "s", "radian": "rad"}
 
-NOMINAL = {
-    "m": 1e-2,
-    "m/s": 1e-1,
-    "m/s2": 1.0,
-    "rad": 1e-2,
-    "rad/s": 1e-2,
-    "rad/s2": 1e-1,
-    "N": 1e4,
-    "N.m": 1e4,
-    "kg^(1/2).m": 1.0,
-    "kg^(1/2).m/s": 1.0,
-    "kg^(1/2).m/s2": 1e1,
-}
-"""Usual size of what moves or acts in a car, by its unit, where nothing better is stated."""
-
 
 def parse(unit: str) -> pint.Unit:
     """The unit of an FMI name; `1` is a plain number. Raises pint's error for an unknown unit."""

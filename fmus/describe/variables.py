@@ -99,6 +99,21 @@ def choice(name: str, description: str, choices: tuple[str, ...], symbol: str = 
     )
 
 
+NOMINAL = {
+    "m": 1e-2,
+    "m/s": 1e-1,
+    "m/s2": 1.0,
+    "rad": 1e-2,
+    "rad/s": 1e-2,
+    "rad/s2": 1e-1,
+    "N": 1e4,
+    "N.m": 1e4,
+    "kg^(1/2).m": 1.0,
+    "kg^(1/2).m/s": 1.0,
+    "kg^(1/2).m/s2": 1e1,
+}
+"""Usual size of what moves or acts in a car, by its unit, where nothing better is stated."""
+
 MAX = 1.7976931348623157e308
 
 

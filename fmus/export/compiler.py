@@ -114,12 +114,19 @@ def compiler_command(target: Target) -> list[str]:
 
 
 def compile_library(
-    sources: Iterable[Path], library: Path, target: Target, flags: Iterable[str] = FLAGS
+    sources: Iterable[Path],
+    library: Path,
+    target: Target,
+    flags: Iterable[str] = FLAGS,
+    libraries: Iterable[str] = ("m",),
 ) -> None:
-    """Compile the C files into one shared library; raises CompileError."""
+    """Compile the C files into one shared library; raises CompileError.
+
+    libraries: of C, which Unix has apart.
+    """
     paths = list(sources)
     command = [*compiler_command(target), *flags, *(path.name for path in paths)]
-    command += ["-o", str(library.resolve()), *_link_flags(library, target)]
+    command += ["-o", str(library.resolve()), *_link_flags(library, target, libraries)]
     cache = platformdirs.user_cache_path("tracktrain") / "zig"
     environment = {"ZIG_GLOBAL_CACHE_DIR": str(cache), "ZIG_LOCAL_CACHE_DIR": str(cache)}
     done = subprocess.run(
@@ -136,10 +143,11 @@ def compile_library(
         )
 
 
-def _link_flags(library: Path, target: Target) -> list[str]:
+def _link_flags(library: Path, target: Target, libraries: Iterable[str]) -> list[str]:
     if target.suffix == ".dll":
         return []
+    flags = [f"-l{name}" for name in libraries]
     if target.suffix == ".dylib":
         # Else the library would be named after the folder that it was linked in.
-        return ["-lm", f"-Wl,-install_name,@rpath/{library.name}"]
-    return ["-lm"]
+        flags.append(f"-Wl,-install_name,@rpath/{library.name}")
+    return flags

@@ -64,7 +64,6 @@ class FmuInstance(Instance):
         name: str = "instance",
         guid: str | None = None,
         *,
-        in_python: bool = False,
         model_exchange: bool = False,
     ) -> None:
         self.description = read_model_description(str(path))
@@ -81,19 +80,18 @@ class FmuInstance(Instance):
             for kind in (FMU2Model if model_exchange else FMU2Slave, FMU2Slave)
         )
         callbacks = fmi2CallbackFunctions()
-        # The standard's logger is variadic; native FMUs pass the format "%s" and one string,
-        # those of pythonfmu a format alone, and only when logging is on.
+        # The standard's logger is variadic; our FMUs pass the format "%s" and one string.
         logger = ctypes.CFUNCTYPE(
             None,
             fmi2ComponentEnvironment,
             ctypes.c_char_p,
             ctypes.c_int,
             ctypes.c_char_p,
-            *[ctypes.c_char_p] * (1 if in_python else 2),
+            *[ctypes.c_char_p] * 2,
         )(self._log)
         self._keep = logger
         callbacks.logger = ctypes.cast(logger, fmi2CallbackLoggerTYPE)
-        self.slave.instantiate(callbacks=callbacks, loggingOn=in_python)
+        self.slave.instantiate(callbacks=callbacks)
         self.stepped.component = self.slave.component
 
     def _log(self, _env, _name, _status, _category, text, *arguments) -> None:

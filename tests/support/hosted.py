@@ -48,7 +48,10 @@ def step(
     folder: Path,
     environment: Mapping[str, str] | None = None,
 ) -> None:
-    """Have a host step the FMUs; raises CalledProcessError."""
+    """Have a host step the FMUs; raises CalledProcessError.
+
+    environment: in it FMU_RESOURCES may name where the FMUs' resources are.
+    """
     arguments = [argument for fmu in fmus for argument in fmu.arguments]
     line = [*map(str, command), *arguments]
     run(line, cwd=folder, env=environment, check=True, timeout=300)

@@ -87,6 +87,8 @@ static Status check_settable(Instance *instance, uint32_t reference, Kind kind, 
     /* Importers such as CasADi's set continuous states by their references. */
     if (continuous_place(STATE_REFERENCE, reference) >= 0 && instance->interface == MODEL_EXCHANGE) {
         const char *name = CALCULATED_NAME[reference - FIRST_OUTPUT];
+        if (kind != REAL)
+            return core_fail(instance, "%s is of type real and cannot be set as %s", name, KIND_NAME[kind]);
         if (s->phase != CONTINUOUS_MODE && s->phase != EVENT_MODE)
             return core_fail(instance, "%s is a state: it is set in event mode or continuous-time mode", name);
         return finite_number(value) ? OK

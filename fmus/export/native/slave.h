@@ -4,12 +4,8 @@
 #define SLAVE_H
 
 #include "core.h"
+#include "visible.h"
 
-#if defined(_WIN32)
-#define VISIBLE __declspec(dllexport)
-#else
-#define VISIBLE __attribute__((visibility("default")))
-#endif
 /* Begins a function of the standard. */
 #define EXPORT(type, name) VISIBLE type JOINED(PREFIX, name)
 

@@ -1,7 +1,8 @@
-"""FMUs in Python, run by pythonfmu's binary: each block's own, and models in plain Python.
+"""FMUs in Python: each block's own, and models in plain Python.
 
 `build_python` writes the Python flavour of a block, `pack` a model that a user has written. Both
 put the sources that they need into the archive, and the slave of `fmus.python` around them.
+The binary that runs it is compiled of `bridge`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The archive of an FMU in Python: sources under a hashed name, slave, binaries, documentation."""
+"""The archive of an FMU in Python: a package under a hashed name, binaries, documentation."""
 
 from __future__ import annotations
 
@@ -6,21 +6,26 @@ import hashlib
 import importlib.metadata
 import json
 import platform
-from collections.abc import Mapping
+import tempfile
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from string import Template
 
 from ...describe.variables import Values
 from ..archive import NO_GUID, guid, write_archive
+from ..code import NATIVE
+from ..compiler import FLAGS, Target, compile_library, targets
 from ..xml.fmi2 import Interface
-from .sources import PYTHONFMU, Sources
+from .sources import Sources
 
 SCRIPT = Path(__file__).with_name("script.txt")
-BINARIES = {"linux64": "libpythonfmu-export.so", "win64": "pythonfmu-export.dll"}
+BRIDGE = Path(__file__).with_name("bridge")
+"""The binary's source, which knows nothing of any model."""
 
 ABILITIES = {
-    "needsExecutionTool": "true",
+    "needsExecutionTool": "false",
     "canHandleVariableCommunicationStepSize": "true",
     "canInterpolateInputs": "false",
     "maxOutputDerivativeOrder": "0",
@@ -30,7 +35,7 @@ ABILITIES = {
     "canSerializeFMUstate": "true",
     "providesDirectionalDerivative": "false",
 }
-"""pythonfmu's binary refuses directional derivatives and rates of inputs without asking Python."""
+"""Python is a library that the FMU needs, see externalDependencies.txt, and no execution tool."""
 
 
 @dataclass(frozen=True)
@@ -57,21 +62,17 @@ class Recipe:
         digest.update(json.dumps([*said, dict(self.start)]).encode())
         for place, content in sorted(self.sources.files.items()):
             digest.update(place.encode() + b"\0" + content)
-        for content in _binaries("").values():
-            digest.update(content)
         return f"{self.identifier}_{digest.hexdigest()[:12]}"
 
     @property
     def script(self) -> str:
         """The slave's source."""
         lines = ["{", *(f"        {n!r}: {v!r}," for n, v in self.start.items()), "    }"]
-        imports = (f"from {self.name}_sources.{m} import {c}\n" for m, c in self.imports.items())
+        imports = (f"from .{m} import {c}\n" for m, c in self.imports.items())
         return Template(SCRIPT.read_text()).substitute(
-            name=self.name,
             module=self.module,
             model=self.model,
             imports="".join(imports),
-            slave=f"{self.model}_{self.name.rpartition('_')[2]}",
             start_values="\n".join(lines),
             create=self.create,
         )
@@ -82,41 +83,56 @@ class Recipe:
         return Interface("CoSimulation", {"modelIdentifier": self.identifier, **ABILITIES})
 
 
-def write(out: Path, recipe: Recipe, description: str, accompanying: Mapping[str, bytes]) -> Path:
-    """Write the archive into the folder. accompanying: documentation and the like, by place."""
-    name = recipe.name
-    own = guid(hashlib.sha256((name + description).encode()).hexdigest())
+def write(
+    out: Path,
+    recipe: Recipe,
+    description: str,
+    accompanying: Mapping[str, bytes],
+    platforms: Iterable[str],
+) -> Path:
+    """Write the archive into the folder. accompanying: documentation and the like, by place.
+
+    platforms: those whose binaries it holds, as for native FMUs. Raises CompileError.
+    """
+    name, bridge = recipe.name, _bridge_sources()
+    said = repr((name, description, sorted(bridge.items()), FLAGS))
+    own = guid(hashlib.sha256(said.encode()).hexdigest())
     files: dict[str, bytes] = {
         "modelDescription.xml": description.replace(NO_GUID, own).encode(),
         "documentation/externalDependencies.txt": _dependencies(recipe.sources).encode(),
-        "documentation/licenses/pythonfmu.txt": _licence_of("pythonfmu").encode(),
-        "resources/slavemodule.txt": name.encode(),
-        f"resources/{name}.py": recipe.script.encode(),
-        **_binaries(recipe.identifier),
+        "resources/model.txt": f"{name}\n{own}\n".encode(),
+        f"resources/{name}/__init__.py": recipe.script.encode(),
         **accompanying,
     }
+    for target in targets(platforms):
+        place = f"binaries/{target.folder('2.0')}/{recipe.identifier}{target.suffix}"
+        files[place] = _bridge(target)
     for place, content in recipe.sources.files.items():
-        files[f"resources/{name}_sources/{place}"] = content
-    files.setdefault(f"resources/{name}_sources/__init__.py", b'"""Sources of this FMU."""\n')
+        files[f"resources/{name}/{place}"] = content
     path = out / f"{recipe.identifier}.fmu"
     write_archive(path, files)
     return path
 
 
-def _binaries(identifier: str) -> dict[str, bytes]:
-    """pythonfmu's libraries, which know nothing of any model, by their place in the archive."""
-    folder = PYTHONFMU / "resources" / "binaries"
-    return {
-        f"binaries/{system}/{identifier}{Path(file).suffix}": (folder / system / file).read_bytes()
-        for system, file in BINARIES.items()
-    }
+def _bridge_sources() -> dict[str, str]:
+    """C files of the binary by name."""
+    files = [*BRIDGE.glob("*.[ch]"), NATIVE / "fmi2.h", NATIVE / "visible.h"]
+    lines = (BRIDGE / "bootstrap.py").read_text().splitlines()
+    text = "\n".join(f"    {json.dumps(line + chr(10))}" for line in lines)
+    own = {"bootstrap.h": f"static const char BOOTSTRAP[] =\n{text};\n"}
+    return own | {path.name: path.read_text() for path in sorted(files)}
 
 
-def _licence_of(package: str) -> str:
-    """Text of an installed package's licence."""
-    files = importlib.metadata.files(package) or []
-    file = next(file for file in files if file.name == "LICENSE")
-    return file.read_text()
+@cache
+def _bridge(target: Target) -> bytes:
+    """The binary for a platform; it is the same in every FMU."""
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        for name, text in _bridge_sources().items():
+            (folder / name).write_text(text)
+        library = folder / f"model_in_python{target.suffix}"
+        compile_library(sorted(folder.glob("*.c")), library, target, libraries=("dl",))
+        return library.read_bytes()
 
 
 def _dependencies(sources: Sources) -> str:
@@ -124,9 +140,9 @@ def _dependencies(sources: Sources) -> str:
     distributions = importlib.metadata.packages_distributions()
     major, minor, _ = platform.python_version_tuple()
     lines = [
-        f"Python {major}.{minor} or later, in the process that loads the FMU: a Python program, or",
-        "one that has loaded libpython (on Linux LD_PRELOAD=libpython3.x.so does; on Windows",
-        "python3.dll has to be on the PATH). There is no binary for macOS.",
+        f"Python {major}.{minor} or later: that of the program that loads the FMU, if it is a",
+        "Python program; else the shared library of the python3 that is on the PATH (on Windows",
+        "python3.dll there), with the packages of that Python.",
         "",
         "Packages, with the versions that the FMU was made with:",
     ]

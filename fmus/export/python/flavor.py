@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from ... import BLOCKS
@@ -15,8 +16,11 @@ from .assembly import Recipe, write
 from .sources import FMUS, Sources
 
 
-def build_python(name: str, out: Path) -> Path:
-    """Write NAME_python.fmu of a block into the folder and return its path."""
+def build_python(name: str, out: Path, platforms: Iterable[str] = ("host",)) -> Path:
+    """Write NAME_python.fmu of a block into the folder and return its path.
+
+    It holds the binaries of all the platforms: names of compiler.TARGETS, `host` or `all`.
+    """
     kind = BLOCKS[name]
     block = kind()
     parameters = parameter_set(DEFAULT_SET)
@@ -48,4 +52,4 @@ def build_python(name: str, out: Path) -> Path:
     description = described(model, start, OURS, [recipe.interface], now, at_start)
     out.mkdir(parents=True, exist_ok=True)
     files = accompanying_files(block, parameters, start, description)
-    return write(out, recipe, description, files)
+    return write(out, recipe, description, files, platforms)

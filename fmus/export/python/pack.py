@@ -6,7 +6,7 @@ import hashlib
 import importlib
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
@@ -22,9 +22,10 @@ from .check import check
 from .sources import PackError, Sources
 
 
-def pack(project: Path, out: Path) -> Path:
+def pack(project: Path, out: Path, platforms: Iterable[str] = ("host",)) -> Path:
     """Write NAME.fmu of the model in NAME.py, or in the folder NAME, and return its path.
 
+    platforms: those whose binaries it holds, as for the blocks.
     Modules and a folder `data` beside the model travel along. Raises PackError, which says what to
     change, for a model whose declarations are not true.
     """
@@ -52,7 +53,8 @@ def pack(project: Path, out: Path) -> Path:
         description = described(one, start, head, [recipe.interface], now, at_start)
         page = documentation(one, None, start, file.with_name("README.md"), description)
     out.mkdir(parents=True, exist_ok=True)
-    return write(out, recipe, description, {"documentation/index.html": page.encode()})
+    files = {"documentation/index.html": page.encode()}
+    return write(out, recipe, description, files, platforms)
 
 
 def _model_file(project: Path) -> Path:
@@ -62,7 +64,7 @@ def _model_file(project: Path) -> Path:
             f"there is no model '{file}'; name the model's Python file, or the folder with the "
             "file of the same name, such as tracktrain new makes"
         )
-    if not file.stem.isidentifier() or file.stem in ("fmus", "pythonfmu", "data"):
+    if not file.stem.isidentifier() or file.stem in ("fmus", "data", "__init__"):
         raise PackError(f"a model cannot be called '{file.stem}'; rename {file}")
     return file.resolve()
 

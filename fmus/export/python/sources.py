@@ -2,7 +2,7 @@
 
 All FMUs in a process share one table of modules, so that two files of the same name would be one.
 Hence a package under a name that no other FMU has. Inside it imports are relative; an import from
-`fmus`, `pythonfmu` or a file beside a user's model becomes so, and its file travels along.
+`fmus` or a file beside a user's model becomes so, and its file travels along.
 """
 
 from __future__ import annotations
@@ -13,13 +13,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import pythonfmu
-
 from ...errors import FmusError
 
 FMUS = Path(__file__).parents[2]
-PYTHONFMU = Path(pythonfmu.__file__).parent
-ROOTS = {"fmus": FMUS, "pythonfmu": PYTHONFMU}
+ROOTS = {"fmus": FMUS}
 """Packages whose modules travel one by one, without what their `__init__` imports."""
 
 DATA = (".csv", ".json", ".md", ".npy", ".toml", ".txt")

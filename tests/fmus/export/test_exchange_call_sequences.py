@@ -25,6 +25,9 @@ class AnyExchangeCalls(AnyCalls):
         return np.array(march(self.instance.initialize(), 5, 1))
 
     def unsettable(self, reference: int, value: float, types: tuple[str, ...]) -> bool:
+        derivatives = (unknown.variable for unknown in self.instance.description.derivatives)
+        if reference in {v.derivative.valueReference for v in derivatives}:
+            return "Real" not in types or self.phase not in self.started or not math.isfinite(value)
         parameter = self.variables.get(reference) and (
             self.variables[reference].causality == "parameter"
         )

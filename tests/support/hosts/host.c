@@ -72,15 +72,16 @@ typedef void *Instantiate3(const char *, const char *, const char *, bool, bool,
 
 static int initialize(Fmu *fmu, const char *guid) {
     static const Callbacks callbacks = {say, calloc, free, 0, 0};
+    const char *resources = getenv("FMU_RESOURCES") ? getenv("FMU_RESOURCES") : "";
     if (fmu->version == 2) {
         Instantiate2 *instantiate = (Instantiate2 *)function(fmu, "Instantiate");
-        fmu->c = instantiate ? instantiate("host", CO_SIMULATION, guid, "", &callbacks, 0, 0) : 0;
+        fmu->c = instantiate ? instantiate("host", CO_SIMULATION, guid, resources, &callbacks, 0, 0) : 0;
         if (!fmu->c) return 1;
         CALL("SetupExperiment", (void *, int, double, double, int, double), fmu->c, 0, 0.0, 0.0, 0, 0.0);
         CALL("EnterInitializationMode", (void *), fmu->c);
     } else {
         Instantiate3 *instantiate = (Instantiate3 *)function(fmu, "InstantiateCoSimulation");
-        fmu->c = instantiate ? instantiate("host", guid, "", 0, 0, 0, 0, 0, 0, 0, say3, 0) : 0;
+        fmu->c = instantiate ? instantiate("host", guid, resources, 0, 0, 0, 0, 0, 0, 0, say3, 0) : 0;
         if (!fmu->c) return 1;
         CALL("EnterInitializationMode", (void *, bool, double, double, bool, double), fmu->c, 0, 0.0, 0.0, 0, 0.0);
     }

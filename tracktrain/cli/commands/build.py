@@ -71,6 +71,6 @@ def command(
     if "native" in flavors:
         paths += build_native(folder, None, targets, versions).values()
     if "python" in flavors:
-        paths += [build_python(name, folder) for name in BLOCKS]
+        paths += [build_python(name, folder, targets) for name in BLOCKS]
     for path in paths:
         click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")

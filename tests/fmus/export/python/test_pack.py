@@ -69,7 +69,7 @@ def refused(folder: Path, text: str) -> str:
 
 @pytest.fixture
 def spring(tmp_path):
-    instance = FmuInstance(packed(tmp_path, SPRING), in_python=True)
+    instance = FmuInstance(packed(tmp_path, SPRING))
     yield instance
     instance.close()
 
@@ -120,7 +120,7 @@ def test_all_that_is_in_self_is_restored_and_stored(spring):
 
 def test_an_exception_in_the_model_is_a_message_and_the_step_is_not_taken(tmp_path):
     text = SPRING.replace("self.past.append", "1 / (u['force'] - 13.0); self.past.append")
-    instance = FmuInstance(packed(tmp_path, text), in_python=True).initialize()
+    instance = FmuInstance(packed(tmp_path, text)).initialize()
     before = instance.outputs()
     instance.set({"force": 13.0})
     with pytest.raises(FMICallException):
@@ -150,6 +150,18 @@ print(result["x"][0], result["v"][0])
     elsewhere.mkdir()
     hidden = ("fmus", "orchestrator", "tracktrain", "pythonfmu", "casadi", "pint")
     assert run_script(script, elsewhere, hidden) == "42.0 42.0\n"
+
+
+def test_a_model_finds_its_data_when_the_folder_of_its_first_instance_is_gone(tmp_path):
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "value.txt").write_text("42.0")
+    read = "float((Path(__file__).parent / 'data' / 'value.txt').read_text()), 0.0"
+    text = SPRING.replace(HEAD, HEAD + "from pathlib import Path\n").replace("0.1, 0.0", read)
+    path = packed(tmp_path, text)
+    for _ in range(2):
+        instance = FmuInstance(path).initialize()
+        assert instance.get("x") == [42.0]
+        instance.close()
 
 
 def test_packages_that_have_to_be_installed_are_listed(tmp_path):

@@ -13,7 +13,8 @@ from ....terminal import writable
     epilog="""\b
 Examples:
   tracktrain fmu pack my_creep
-  tracktrain fmu pack my_creep/my_creep.py --out fmus"""
+  tracktrain fmu pack my_creep/my_creep.py --out fmus
+  tracktrain fmu pack my_creep --target all"""
 )
 @click.argument("project", type=click.Path(path_type=Path))
 @click.option(
@@ -23,7 +24,16 @@ Examples:
     metavar="DIR",
     help="Folder to write to.  [default: here]",
 )
-def command(project: Path, out: Path) -> None:
+@click.option(
+    "--target",
+    "targets",
+    multiple=True,
+    default=("host",),
+    metavar="TARGET",
+    help="Platform whose binaries the FMU holds, as in tracktrain build. Repeatable.  "
+    "[default: host]",
+)
+def command(project: Path, out: Path, targets: tuple[str, ...]) -> None:
     """Make an FMU of a model in plain Python: of a file, or of the folder of the same name.
 
     The model is tried out first: what its ports, its state and its feedthrough promise has to hold.
@@ -31,5 +41,5 @@ def command(project: Path, out: Path) -> None:
     """
     from fmus.export.python import pack as pack_model
 
-    path = pack_model(project, writable(out))
+    path = pack_model(project, writable(out), targets)
     click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
