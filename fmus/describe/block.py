@@ -78,7 +78,11 @@ class Block:
     switch: str | None = None
 
     def __init_subclass__(cls) -> None:
-        cls.outputs = tuple(map(_with_nominal, getattr(cls, "outputs", ())))
+        states = {state.name for state in cls.states}
+        cls.outputs = tuple(
+            _with_nominal(output) if output.name in states else output
+            for output in getattr(cls, "outputs", ())
+        )
         cls.states = tuple(map(_with_nominal, cls.states))
 
     def derived_function(self) -> ca.Function:
