@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import signal
 import threading
 from collections.abc import Iterator
@@ -51,9 +52,25 @@ def clear_errors() -> Iterator[None]:
             "the results do not fit into memory; give a shorter --duration or a longer --step"
         ) from None
     except OSError as error:
-        raise Stopped(plain(str(error))) from None
+        raise Stopped(plain(_told(error))) from None
     except Exception as error:
         if type(error).__module__.partition(".")[0] in PACKAGES:
             raise BadInput(str(error)) from None
         fault = plain(f"{type(error).__name__}: {error}")
         raise Stopped(f"{fault} (this is a fault of tracktrain, please report it)") from error
+
+
+def _told(error: OSError) -> str:
+    """Which file it was about, why, and what to do."""
+    reason = error.strerror or str(error)
+    about = f"'{error.filename}': {reason.lower()}" if error.filename else reason
+    advice = {
+        errno.ENOENT: "what stands there, or its folder, is gone; choose a folder that stays",
+        errno.ENOSPC: "make room there, or name a folder for temporary files that has some in the "
+        "environment variable TMPDIR",
+        errno.EACCES: "choose a folder that may be written to",
+        errno.EROFS: "choose a folder that may be written to",
+    }.get(error.errno or 0)
+    if error.errno == errno.ENOENT and not error.filename:  # no folder for temporary files works
+        advice = "name one that can be written to in the environment variable TMPDIR"
+    return f"{about}; {advice}" if advice else about

@@ -10,15 +10,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.box import SIMPLE_HEAD
-from rich.console import Console
+from rich.cells import cell_len
+from rich.console import Console, JustifyMethod
 from rich.markup import escape
 from rich.progress import Progress as Bar
-from rich.table import Table
+from rich.table import Column, Table
 
 from .errors import TracktrainError
 
 if TYPE_CHECKING:
     import pandas as pd
+
+FOLDED = 16
+"""Least width of a text that is folded where the terminal is narrow."""
 
 Progress = Callable[[float], None]
 """Called with the share that is done, from 0 to 1."""
@@ -52,10 +56,28 @@ def printable(table: pd.DataFrame, title: str) -> Table:
         number = flat[name].dtype.kind in "if"
         widest = max(map(len, cells), default=1)
         heading = escape(name.replace(" [", "\n["))
-        shown.add_column(heading, justify="right" if number else "left", min_width=widest)
+        least = widest if number else min(widest, FOLDED)
+        justify: JustifyMethod = "right" if number else "left"
+        shown.add_column(heading, justify=justify, overflow="fold", min_width=least)
     for row in zip(*columns.values(), strict=True):
         shown.add_row(*map(escape, row))
     return shown
+
+
+def print_whole(console: Console, table: Table) -> None:
+    """Print a table without cutting anything: texts are folded, numbers never.
+
+    Where the terminal is too narrow for the numbers, lines are longer than it.
+    """
+    needed = sum(_least_width(column) + 2 for column in table.columns) + 2
+    console.print(table, width=max(console.width, needed), crop=False)
+
+
+def _least_width(column: Column) -> int:
+    """Of a column that is not cut: what it asks for, its widest cell, or a text that is folded."""
+    most = 10_000 if column.no_wrap else FOLDED
+    lines = [line for cell in column.cells for line in str(cell).splitlines()]
+    return max(column.min_width or 1, *(min(cell_len(line), most) for line in lines), 1)
 
 
 def _cell(value: object) -> str:

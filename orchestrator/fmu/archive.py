@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import lzma
 import re
 import stat
@@ -87,8 +88,13 @@ class Archive:
             try:
                 self._archive.extract(self._infos[member], folder)
             except _UNREADABLE as error:
+                full = isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT)
+                advice = (
+                    "; make room there, or set TMPDIR to a folder that has some" if full else ""
+                )
                 raise ArchiveError(
                     f"'{member}' of '{self.path}' cannot be unpacked into '{folder}': {error}"
+                    f"{advice}"
                 ) from None
 
 

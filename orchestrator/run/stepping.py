@@ -22,6 +22,7 @@ from ..results.run import Iterations
 from ..slaves.abi import Addresses
 from .checkpoint import Checkpoints
 from .context import Context
+from .growth import source_of_growth
 from .initial_values import loop_failure
 from .outcome import Kind, Outcome
 from .texts import Texts
@@ -241,13 +242,17 @@ class Stepper:
             row = self._recording.row(self.rows_done)
             column = next(n for n in self._order() if not np.isfinite(row[n]))
             instance, variable = self._plan.columns[column]
+            first = self._recording.first
+            source = source_of_growth(self._plan, self._recording.rows[: self.rows_done - first])
+            name = self._plan.names[instance]
+            hint = f"; {source}, not {name}, fed the growth" if source not in (None, name) else ""
             return Outcome(
                 Kind.NOT_FINITE,
                 self._time(self.rows_done),
-                self._plan.names[instance],
+                name,
                 variable.name,
                 why=f"{row[column]}",
-                said=self._slaves[instance].said(),
+                said=self._slaves[instance].said() + hint,
             )
         if call == LOOP:
             why = loop_failure(self._plan, self._report)

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import ctypes
+import sysconfig
+import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from ..fmu.description import Description, Tangent, Variable
@@ -14,6 +17,9 @@ from .base import Slave
 from .status import Status
 
 Signals = Mapping[str, float]
+
+_LIBRARIES = tuple(dict.fromkeys(map(sysconfig.get_path, ("stdlib", "platlib", "purelib"))))
+"""Folders of what is not the user's own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +135,7 @@ class InlineSlave(Slave):
             except BaseException as error:
                 if not isinstance(error, Exception):
                     self.interrupt = error
-                self.messages.append(f"{type(error).__name__}: {error}")
+                self.messages.append(f"{type(error).__name__}: {error}{_place(error)}")
                 return Status.ERROR
             return Status.OK
 
@@ -153,7 +159,7 @@ class InlineSlave(Slave):
     def _get_real(self, _: int, references: int, count: int, values: int) -> None:
         known = {**self._p, **self._u, **self._model.output(self._x, self._u, self._p)}
         taken = (ctypes.c_double * count).from_address(values)
-        taken[:] = [known[name] for name in self._named(references, count)]
+        taken[:] = [_one(known, name, "output") for name in self._named(references, count)]
 
     def _do_step(self, _: int, time: float, step: float, _no_return: int) -> None:
         rates: Mapping[str, Any] = self._rates
@@ -192,4 +198,26 @@ class InlineSlave(Slave):
         seeds.update(zip(self._named(knowns, known_count), given, strict=True))
         found = self._model.directional(self._x, self._u, self._p, seeds)
         taken = (ctypes.c_double * unknown_count).from_address(result)
-        taken[:] = [found[name] for name in self._named(unknowns, unknown_count)]
+        taken[:] = [
+            _one(found, name, "directional") for name in self._named(unknowns, unknown_count)
+        ]
+
+
+def _one(found: Signals, name: str, function: str) -> float:
+    """A number that a model's function gave; raises ValueError where it did not."""
+    if name not in found:
+        raise ValueError(f"{function} gives no '{name}'")
+    try:
+        return float(found[name])
+    except TypeError:
+        raise ValueError(f"{function} gives {found[name]!r:.100} for '{name}', no number") from None
+
+
+def _place(error: BaseException) -> str:
+    """Where in the model's own file it happened; empty where it is not there."""
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename != __file__]
+    own = [f for f in frames if not f.filename.startswith(_LIBRARIES)]
+    if not frames:
+        return ""
+    place = (own or frames)[-1]
+    return f" ({Path(place.filename).name}, line {place.lineno}, in {place.name})"

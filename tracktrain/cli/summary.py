@@ -6,17 +6,17 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from rich.box import SIMPLE_HEAD
-from rich.console import Group
 from rich.table import Table
 
 from orchestrator import dominant_frequency, peak, rms
 
 from ..car.hopper import layout_of
 from ..scales import Scale, three_digits
+from ..terminal import print_whole
 
 if TYPE_CHECKING:
     import xarray as xr
-    from rich.console import RenderableType
+    from rich.console import Console
 
     from orchestrator import Run
 
@@ -30,9 +30,10 @@ MOST = 12
 """Rows of a system that has none of these."""
 
 
-def summary(run: Run) -> RenderableType:
+def print_summary(console: Console, run: Run) -> None:
     """Statistics of the variables of `GROUPS` that the run has, then how well the run went."""
-    return Group(_responses(run.dataset), _quality(run))
+    print_whole(console, _responses(run.dataset))
+    print_whole(console, _quality(run))
 
 
 def _responses(dataset: xr.Dataset) -> Table:
@@ -46,6 +47,7 @@ def _responses(dataset: xr.Dataset) -> Table:
         pad_edge=False,
         collapse_padding=True,
     )
+    table.columns[0].overflow = "fold"
     for column in table.columns[2:]:
         column.justify, column.no_wrap = "right", True
     for group, rows in (_known(dataset) or _first(dataset)).items():

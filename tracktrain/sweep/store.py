@@ -27,10 +27,12 @@ class Store:
         wanted = json.loads(json.dumps(asked, default=str))
         before = folder / ASKED
         if before.exists() and self._path.exists():
-            _compare(json.loads(before.read_text(encoding="utf-8")), wanted, folder)
+            _compare(_asked(before), wanted, folder)
             self._read()
         else:
-            before.write_text(json.dumps(wanted, indent=1), encoding="utf-8")
+            new = before.with_name(f"{ASKED}.new")
+            new.write_text(json.dumps(wanted, indent=1), encoding="utf-8")
+            new.replace(before)
             self._path.touch()
 
     def add(self, number: int, row: Row) -> None:
@@ -55,6 +57,18 @@ class Store:
                 self.rows[row.pop("run")] = row
                 whole += len(line)
         os.truncate(self._path, whole)
+
+
+def _asked(path: Path) -> Mapping[str, Any]:
+    """What a sweep was asked for; raises SweepError where that cannot be read."""
+    try:
+        said = json.loads(path.read_text(encoding="utf-8"))
+        return dict(said)
+    except (OSError, ValueError, TypeError):
+        raise SweepError(
+            f"'{path}' is damaged, so that nobody knows which sweep the rows beside it are of; "
+            "remove the folder, or choose another --out"
+        ) from None
 
 
 def _compare(before: Mapping[str, Any], now: Mapping[str, Any], folder: Path) -> None:

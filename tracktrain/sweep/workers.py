@@ -8,6 +8,7 @@ import signal
 import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
 from itertools import islice
 from typing import TYPE_CHECKING, Any
@@ -48,7 +49,14 @@ def rows(
         return
     with ExitStack() as stack:
         client = _client(stack, count, scheduler)
-        yield from _distributed(client, tasks, outputs, reuse)
+        try:
+            yield from _distributed(client, tasks, outputs, reuse)
+        except (CancelledError, OSError, TimeoutError) as error:
+            where = f"the Dask scheduler at '{scheduler}'" if scheduler else "the local scheduler"
+            raise SweepError(
+                f"{where} is gone ({type(error).__name__}); the runs that are done are kept where "
+                "--out was given: start it again, and the same command goes on with the others"
+            ) from None
 
 
 def _cores() -> int:
@@ -60,6 +68,7 @@ def _cores() -> int:
 def _client(stack: ExitStack, count: int, scheduler: str | None) -> Client:
     from distributed import Client, LocalCluster
 
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # what it says is said here
     if scheduler is not None:
         try:
             return stack.enter_context(Client(scheduler, timeout="10s"))

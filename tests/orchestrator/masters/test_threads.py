@@ -39,6 +39,16 @@ def test_threads_change_no_bit(chain, order):
         assert f"{min(threads, 12)} threads step the FMUs" in run.notes
 
 
+def test_a_million_threads_are_no_more_than_the_machine_has_use_for(chain):
+    parts = [chain.prefixed(f"part{n}") for n in range(max(4, os.cpu_count() or 1))]
+    many = parts[0]
+    for part in parts[1:]:
+        many = many.joined(part)
+    run = simulate(many, duration=0.01, step=1e-3, master="jacobi", threads=1_000_000)
+    (note,) = (note for note in run.notes if note.endswith("threads step the FMUs"))
+    assert int(note.split()[0]) <= max(16, 4 * (os.cpu_count() or 1)) < len(many.components)
+
+
 def test_fmu_that_steps_seldom_may_be_in_any_thread(chain):
     slow = replace(chain.components["mass_4"], every=4)
     system = replace(chain, components={**chain.components, "mass_4": slow})

@@ -8,7 +8,14 @@ import signal
 import numpy as np
 import pytest
 
-from orchestrator import Component, Connection, InlineModel, System, simulate
+from orchestrator import (
+    Component,
+    Connection,
+    InlineModel,
+    OrchestratorError,
+    System,
+    simulate,
+)
 
 
 def counter(fail=lambda time: None, output=lambda x: x) -> System:
@@ -63,11 +70,27 @@ def test_exception_in_a_slave(options):
             raise ZeroDivisionError("no load on the wheel")
 
     run = simulate(counter(fail), **options)
+    line = fail.__code__.co_firstlineno + 2
     assert run.message == (
         "clock: fmi2DoStep returned error in the step from t = 0.31 s: "
-        "ZeroDivisionError: no load on the wheel"
+        f"ZeroDivisionError: no load on the wheel (test_stops.py, line {line}, in fail)"
     )
     assert_kept_until(run, 0.31)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({}, "ValueError: output gives no 'y'"),
+        ({"y": "fast"}, "ValueError: could not convert string to float: 'fast'"),
+        ({"y": None}, "ValueError: output gives None for 'y', no number"),
+    ],
+)
+def test_what_a_model_does_not_give_is_named(given, said):
+    model = InlineModel(outputs={"y": "m"}, output=lambda x, u, p: given)
+    with pytest.raises(OrchestratorError) as caught:
+        simulate(System({"m": Component(model)}), duration=1.0, step=0.1)
+    assert said in str(caught.value)
 
 
 def test_interrupt(options):

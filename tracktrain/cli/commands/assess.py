@@ -34,12 +34,13 @@ def command(folder: Path, quiet: bool) -> None:
     """
     from ...assessment import assess as assessed
     from ...results import opened
+    from ...terminal import print_whole
 
     table = assessed(opened(folder))
     table.to_csv(folder / ASSESSMENT)
     if not quiet:
         console = Console()
-        console.print(_shown(table))
+        print_whole(console, _shown(table))
         console.print("for comparison: the rule is for other vehicles, track or speeds (its scope)")
         console.print("* not verified: recalled from the source, check it before quoting it")
         written = f"filters, windows, scopes and sources: {folder / ASSESSMENT}"
@@ -48,7 +49,7 @@ def command(folder: Path, quiet: bool) -> None:
 
 def _shown(table: pd.DataFrame) -> Table:
     shown = Table(box=SIMPLE_HEAD, pad_edge=False, collapse_padding=True)
-    shown.add_column("quantity")
+    shown.add_column("quantity", overflow="fold")
     for name in ("value", "limit", "share"):
         shown.add_column(name, justify="right", no_wrap=True)
     shown.add_column("result")

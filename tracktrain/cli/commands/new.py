@@ -43,7 +43,7 @@ def command(block: str, name: str, out: Path) -> None:
         click.echo(path)
     click.echo(
         f"\nnext: tracktrain fmu pack {project}, then "
-        f"tracktrain run --swap {_instance(block)}={name}.fmu"
+        f"tracktrain run --swap {_instance(block)}={name}.fmu --step 0.5ms"
     )
 
 

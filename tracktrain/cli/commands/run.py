@@ -167,10 +167,10 @@ def _write(result: Run, folder: Path, csv: bool, page: bool) -> list[str]:
 
 
 def _print(result: Run, notes: list[str], folder: Path) -> None:
-    from ..summary import summary
+    from ..summary import print_summary
 
     console = Console()
-    console.print(summary(result))
+    print_summary(console, result)
     for note in notes:
         console.print(f"note: {note}", style="dim", markup=False, highlight=False)
     console.print(f"results.nc and pictures are in {folder}", markup=False, highlight=False)

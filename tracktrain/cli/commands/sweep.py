@@ -11,7 +11,7 @@ from rich.console import Console
 from ...failures import Stopped, termination_as_interrupt
 from ...options.chosen import refuse_options, system_options
 from ...options.master import master_options
-from ...terminal import printable, progress_bar, writable
+from ...terminal import print_whole, printable, progress_bar, writable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -114,7 +114,7 @@ def _print(table: xr.Dataset, axes: list[str], folder: Path) -> None:
 
     console = Console()
     failed = [str(text) for text in table["message"].values.ravel() if text]
-    console.print(printable(digest(table), f"{table['done'].size} runs: {'; '.join(axes)}"))
+    print_whole(console, printable(digest(table), f"{table['done'].size} runs: {'; '.join(axes)}"))
     if failed:
         note = f"note: {len(failed)} runs failed, as: {failed[0]}"
         console.print(note, style="dim", markup=False, highlight=False)

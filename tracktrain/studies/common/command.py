@@ -10,7 +10,7 @@ import click
 from rich.console import Console
 
 from ...errors import TracktrainError
-from ...terminal import printable, progress_bar, writable
+from ...terminal import print_whole, printable, progress_bar, writable
 from .outcome import Outcome
 
 
@@ -61,7 +61,7 @@ def _print(outcome: Outcome, folder: Path) -> None:
     console = Console()
     console.print(outcome.title, style="bold", markup=False, highlight=False)
     for name, table in outcome.tables.items():
-        console.print(printable(table, name.replace("_", " ")))
+        print_whole(console, printable(table, name.replace("_", " ")))
     for note in outcome.notes:
         console.print(f"note: {note}", style="dim", markup=False, highlight=False)
     console.print(f"data, tables and pictures are in {folder}", markup=False, highlight=False)
