@@ -84,7 +84,8 @@ def test_the_carbody_moves_as_the_rigid_modes_of_the_block():
 
 
 def test_the_truck_is_the_block_with_the_same_micro_step():
-    pair = Pair("truck", micro_step=1e-4)
+    # nothing lifts or rocks: the template has no contacts that open
+    pair = Pair("truck", micro_step=1e-4, centre_plate_contact=2.0, axle_load=1e7)
     assert len(common(pair)) == len(pair.model.outputs)
     moving = [n for n in common(pair) if n != "spring[2]"]  # a spring of no stiffness
     assert pair.worst(moving, 50) < tolerances.SAME_SCHEME

@@ -68,7 +68,7 @@ def test_without_creep_friction_takes_energy_and_never_gives_it():
 
 
 def test_inner_forces_change_neither_lateral_nor_yaw_momentum():
-    floating = replace(LOADED, longitudinal_creep=0.0, lateral_creep=0.0, axle_weight=0.0)
+    floating = replace(LOADED, longitudinal_creep=0.0, lateral_creep=0.0, conicity=0.0)
     motion = integrate(car(floating), 1.0, start=KICKED)
     shift = initial_state(carbody_lateral=1, front_lateral=1, rear_lateral=1)[:COORDINATES]
     front, rear = (end * LOADED.half_truck_spacing - LOADED.half_wheelbase for end in (1, -1))

@@ -146,7 +146,7 @@ def test_an_array_cannot_be_set(instantiate3):
     q = next(v.valueReference for v in carbody.description.modelVariables if v.name == "q")
     with pytest.raises(FMICallException):
         carbody.slave.setFloat64([q], [0.0] * 8)
-    assert "arrays are calculated and cannot be set" in carbody.messages[-1]
+    assert "is an output and cannot be set" in carbody.messages[-1]
 
 
 def test_an_element_has_no_reference_of_its_own(instantiate3):

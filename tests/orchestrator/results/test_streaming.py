@@ -143,17 +143,15 @@ def test_full_disk_is_reported_and_what_fits_is_kept(tmp_path):
 
 
 def test_full_disk_that_does_not_take_compiled_code_is_no_matter(monkeypatch):
-    from numba.core.caching import IndexDataCacheFile
-
     from orchestrator.masters.loop.tables import macro_loop
 
     tries = []
 
-    def save(file, key, data):
-        tries.append(key)
+    def write(path, data):
+        tries.append(path)
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(IndexDataCacheFile, "save", save)
+    monkeypatch.setattr(Path, "write_bytes", write)
 
     @macro_loop
     def count(report):

@@ -128,7 +128,7 @@ def test_changed_fmu_or_missing_results_are_refused_on_resume(tmp_path):
     )  # fmt: skip
     assert read_checkpoint(out).system.components["truck"].fmu == own
     kept = (out / "results.nc").read_bytes()
-    (out / "results.nc").write_bytes(kept[:-100_000])
+    (out / "results.nc").write_bytes(kept[: len(kept) // 4])
     said = refusal(resume, out)
     assert said.startswith(f"'{out / 'results.nc'}' was cut: it holds ")
     assert said.endswith("; run anew, or put a whole copy in its place")
@@ -144,7 +144,7 @@ def test_kill_while_a_checkpoint_is_written_leaves_the_one_before(tmp_path, monk
     count = iter(range(100))
 
     def killed(path, target):
-        if next(count) >= 2:
+        if path.name == "checkpoint.new" and next(count) >= 2:
             raise SystemExit("killed between writing and moving")
         return replace(path, target)
 

@@ -31,7 +31,7 @@ def test_run_that_diverges_names_variable_and_time_and_keeps_the_rest(tmp_path: 
     assert result.exit_code == 1
     message = result.stderr
     assert message.startswith("Error: ")
-    assert " at t = " in message
+    assert " from t = " in message
     assert f"what was computed until then is in {tmp_path}" in message
     with xr.open_dataset(tmp_path / "results.nc") as dataset:
         assert 2 < dataset.sizes["time"] < 401
@@ -86,7 +86,7 @@ def test_build_refuses_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
 def test_results_that_do_not_fit_onto_the_disk_are_refused(tmp_path: Path) -> None:
     result = run("--duration", "1e9 s", "--out", str(tmp_path))
     assert result.exit_code == 2
-    assert f"'{tmp_path / 'results.nc'}' would grow to 1.66e+06 GB, and the disk" in result.stderr
+    assert f"'{tmp_path / 'results.nc'}' would grow to 2.03e+06 GB, and the disk" in result.stderr
     assert "keep fewer outputs or fewer rows, or choose another folder" in result.stderr
 
 

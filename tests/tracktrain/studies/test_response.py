@@ -96,7 +96,7 @@ def test_hunting_takes_the_track_out_of_the_response(usual):
 
 
 def test_faster_means_harsher_in_every_realisation(usual):
-    for name in ("force", "displacement", "lateral_acceleration"):
+    for name in ("force", "lateral_acceleration"):  # displacement ends at the flange
         rms = usual.dataset[f"{name}_rms"]
         assert (rms[1] > rms[0]).all()
 

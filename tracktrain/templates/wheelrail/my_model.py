@@ -90,9 +90,9 @@ class MyModel(Model):
             f"{s}.{name}": inputs
             for s in SIDES
             for name, inputs in (
-                ("force_x", ("y", "wz", "speed", f"rail_y_{s}")),
+                ("force_x", ("y", "wz", "speed", *RAILS)),
                 ("force_y", ("yaw", "vy", "speed")),
-                ("creep_x", ("y", "wz", "speed", f"rail_y_{s}")),
+                ("creep_x", ("y", "wz", "speed", *RAILS)),
                 ("creep_y", ("yaw", "vy", "speed")),
                 ("l_over_v", ("y", "yaw", "vy", "speed", f"load_{s}", *RAILS)),
             )
@@ -110,8 +110,7 @@ class MyModel(Model):
         y = {"y_rel": y_rel}
         for side, sign in SIDES.items():
             # Creepage: how much a wheel slides, over how fast it rolls.
-            off_rail = u["y"] - u[f"rail_y_{side}"]
-            taper = p["conicity"] * off_rail / p["rolling_radius"]
+            taper = p["conicity"] * y_rel / p["rolling_radius"]
             creep_x = -sign * (taper + half_spacing * u["wz"] / speed)
             creep_y = u["vy"] / speed - u["yaw"]
 
