@@ -128,7 +128,7 @@ def test_changed_fmu_or_missing_results_are_refused_on_resume(tmp_path):
     )  # fmt: skip
     assert read_checkpoint(out).system.components["truck"].fmu == own
     kept = (out / "results.nc").read_bytes()
-    (out / "results.nc").write_bytes(kept[:-100_000])
+    (out / "results.nc").write_bytes(kept[: len(kept) // 2])
     said = refusal(resume, out)
     assert said.startswith(f"'{out / 'results.nc'}' was cut: it holds ")
     assert said.endswith("; run anew, or put a whole copy in its place")
