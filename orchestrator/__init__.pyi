@@ -14,6 +14,7 @@ from .errors import (
 from .fmu.archive import Archive, open_archive
 from .fmu.arrays import shaped, taken_apart
 from .fmu.description import Description, Tangent, Variable
+from .fmu.given import in_unit
 from .fmu.port_map import Port, PortMap
 from .fmu.read import Contents, describe, open_fmu, survey
 from .fmu.units import Quantity, conversion, scale_of
@@ -117,6 +118,7 @@ __all__ = [
     "describe",
     "dominant_frequency",
     "fit",
+    "in_unit",
     "interpolated",
     "linearise",
     "make_plan",

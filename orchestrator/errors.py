@@ -113,9 +113,9 @@ class RecordSizeError(ResultsError, MemoryError):
     """The results do not fit into memory."""
 
 
-def choices(asked: str, available: Iterable[str], limit: int = 12) -> str:
+def choices(asked: object, available: Iterable[str], limit: int = 12) -> str:
     """`available` as a phrase, names close to `asked` first, at most `limit` of them."""
-    names = list(available)
+    asked, names = str(asked), list(available)
     if not names:
         return "there are none"
     considered = [name for name in names[:CONSIDERED] if len(name) <= WORD]

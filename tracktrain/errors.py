@@ -14,9 +14,9 @@ class HopperError(TracktrainError, ValueError):
     """A hopper car that does not exist was asked for."""
 
 
-def choices(asked: str, available: Iterable[str]) -> str:
+def choices(asked: object, available: Iterable[str]) -> str:
     """`available` as a phrase, the closest match to `asked` first."""
-    names = list(available)
+    asked, names = str(asked), list(available)
     begin_alike = [name for name in names if asked and name.startswith(asked)]
     close = begin_alike or difflib.get_close_matches(asked, names, n=1, cutoff=0.5)
     guess = f"did you mean {' or '.join(close)}? " if close else ""

@@ -29,6 +29,13 @@ def opened(folder: Path) -> xr.Dataset:
     return open_results(path, cache=False)
 
 
+def dataset_of(given: xr.Dataset | Run | Path | str) -> xr.Dataset:
+    """The dataset of a run, or of the folder that it wrote; raises as `opened`."""
+    if isinstance(given, Run):
+        return given.dataset
+    return opened(Path(given)) if isinstance(given, Path | str) else given
+
+
 def mean_speed(dataset: xr.Dataset) -> float | None:
     """Mean speed of the car in a run [m/s]; None where the run does not have it."""
     name = layout_of(dataset).speed

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
+from ..errors import ValueRefusedError, choices
 from .types import TYPES
 from .units import Definitions, Unit
 
@@ -84,6 +85,15 @@ class Variable:
     def value_reference(self) -> int:
         """By which the FMU knows it."""
         return self.lane.value_reference if self.lane else self.reference
+
+    @property
+    def takes_value(self) -> bool:
+        """Whether it may be given a value before the run."""
+        if self.variability == "constant" or self.causality == "independent":
+            return False
+        if self.causality in ("parameter", "structuralParameter", "input"):
+            return True
+        return self.initial in ("exact", "approx")
 
     @property
     def label(self) -> str:
@@ -189,6 +199,18 @@ class Description:
         if variable.unit is None:
             return None
         return Unit(variable.unit, self.units, variable.difference)
+
+    def may_have(self, name: str) -> bool:
+        """Whether there is a variable or an array of a name, or such an element for some size."""
+        return self.find(name) is not None or name.partition("[")[0] in self.arrays
+
+    def unknown(self, instance: str, name: str) -> ValueRefusedError:
+        """What to raise where a value is given to a variable that there is not."""
+        settable = (v.name for v in self.variables.values() if v.takes_value)
+        names = [known for known in settable if known not in self.partials]
+        return ValueRefusedError(
+            f"{instance} ({self.label}) has no variable '{name}'; {choices(name, names)}"
+        )
 
     def interpolates(self, variable: Variable) -> bool:
         """Whether an input can be led along a line over a step."""

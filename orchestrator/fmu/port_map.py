@@ -11,6 +11,7 @@ or a parameter map of the SSP standard (.ssm), whose sources are the system's na
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -47,6 +48,8 @@ class PortMap:
     def applied(self, description: Description) -> Description:
         """The FMU as the system sees it; raises CouplingError for what it does not have."""
         ports = dict(self._each(description))
+        for name, port in ports.items():
+            _check_scale(name, port)
         taken = {_known(p.name, name, description): name for name, p in reversed(ports.items())}
         driven: dict[str, str] = {}
         for name, port in ports.items():
@@ -130,6 +133,15 @@ class PortMap:
                 )
             pairs = zip(element_names(name, shape), element_names(port.name, shape), strict=True)
             yield from ((one, replace(port, name=another)) for one, another in pairs)
+
+
+def _check_scale(name: str, port: Port) -> None:
+    finite = math.isfinite(port.factor) and math.isfinite(port.offset)
+    if not finite or port.factor == 0.0:
+        raise CouplingError(
+            f"the port map takes {port.name} for {name} times {port.factor:g}, plus "
+            f"{port.offset:g}; give a finite offset, and a finite factor that is not 0"
+        )
 
 
 def _known(name: str, ours: str, description: Description) -> str:

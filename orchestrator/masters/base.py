@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import CouplingError, choices
+from ..fmu.given import take_fields
 from ..options import option
 from ..plan.connections import Link
 from ..plan.plan import Plan
@@ -66,6 +67,9 @@ class Master(ABC):
     place: ClassVar[int] = 100
     follows: ClassVar[str] = ""
 
+    def __post_init__(self) -> None:
+        take_fields(self)
+
     @abstractmethod
     def prepare(self, plan: Plan, slaves: Sequence[Slave]) -> Prepared:
         """The macro loop and its tables; raises CouplingError for what it cannot couple."""
@@ -95,12 +99,6 @@ class Extrapolating(Master):
         least=0,
         most=2,
     )
-
-    def __post_init__(self) -> None:
-        if self.order not in (0, 1, 2):
-            raise CouplingError(
-                f"inputs cannot be extrapolated to order {self.order}; give 0, 1 or 2"
-            )
 
     def stable_ratios(
         self, plan: Plan, links: Sequence[Link], rigid: Collection[int]

@@ -14,7 +14,6 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..errors import CouplingError, choices
 from ..options import option
 from ..plan.connections import Link
 from ..plan.plan import Plan
@@ -40,18 +39,6 @@ class Iterated(Master):
     )
     tolerance: float = option(1e-8, "Relative residual at which iterated is content.", above=0.0)
     iterations: int = option(100, "How often iterated repeats a macro step at most.", least=1)
-
-    def __post_init__(self) -> None:
-        if self.method not in METHODS:
-            raise CouplingError(
-                f"there is no method '{self.method}'; {choices(self.method, METHODS)}"
-            )
-        if not (math.isfinite(self.tolerance) and self.tolerance > 0.0):
-            raise CouplingError(
-                f"a tolerance of {self.tolerance:g} cannot be met; it must be above zero"
-            )
-        if self.iterations < 1:
-            raise CouplingError(f"{self.iterations} iterations are too few; give at least 1")
 
     def prepare(self, plan: Plan, slaves: Sequence[Slave]) -> Prepared:
         """The repeating loop."""

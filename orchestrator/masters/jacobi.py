@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..errors import CouplingError
 from ..options import option
 from ..plan.plan import Plan
 from .base import Extrapolating, Prepared
@@ -38,11 +37,6 @@ class Jacobi(Extrapolating):
         "a core; pays for many or slow FMUs.",
         least=1,
     )
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.threads < 1:
-            raise CouplingError(f"{self.threads} threads can step nothing; give at least 1")
 
     def prepare(self, plan: Plan, slaves: Sequence[Slave]) -> Prepared:
         """The loop that holds, or the explicit one where inputs are not merely held."""

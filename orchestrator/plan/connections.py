@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -108,6 +109,12 @@ def _link(
             f"{' and '.join(sorted(a for a, b in DRIVES if b == port.kind))} outputs"
         )
     gain, offset = _conversion(connection, output, port, found, descriptions[source])
+    if not (math.isfinite(gain) and math.isfinite(offset)):
+        wrong = f"adds {offset:g}" if math.isfinite(gain) else f"multiplies by {gain:g}"
+        raise CouplingError(
+            f"the connection from {connection.source} to {connection.target} {wrong}; give a "
+            "finite factor and offset"
+        )
     return Link(source, output, target, port, gain, offset, connection.transformation)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ..errors import CouplingError
 from ..fmu.description import CO_SIMULATION, Description, Variable
+from ..fmu.given import several
 from ..fmu.read import describe
 from ..system.system import Component, System, Value
 from .bonds import Bond, find_bonds
@@ -68,16 +69,17 @@ class Plan:
 
 def make_plan(
     system: System,
-    record: Sequence[str] | None = None,
+    record: str | Sequence[str] | None = None,
     interface: str = CO_SIMULATION,
     isolated: Collection[str] = (),
 ) -> Plan:
     """Check a system and number its parts; raises OrchestratorError for what does not fit.
 
-    record: names or patterns (`*`, `?`) of the outputs to keep; None keeps all. interface: for
-    which the FMUs are to run. isolated: instances that run in processes of their own.
+    record: name or pattern of the outputs to keep (`*`, `?`), or several; None keeps all.
+    interface: for which the FMUs are to run. isolated: instances in processes of their own.
     """
     names = _instances(system)
+    record = None if record is None else several(record, "record")
     descriptions = [
         component_description(name, c, interface) for name, c in system.components.items()
     ]

@@ -19,11 +19,6 @@ NO_UNIT = (None, "", "1")
 _WHOLE_NUMBER = re.compile(r"\s*[+-]?\d+\s*")
 
 
-def settable(description: Description) -> list[str]:
-    """Names of the variables that may be given a value before the run."""
-    return [v.name for v in description.variables.values() if _takes_value(v)]
-
-
 def resolve(
     instance: str, description: Description, name: str, value: Value
 ) -> list[tuple[Variable, Value]]:
@@ -48,11 +43,8 @@ def _resolve(
     variable = description.find(name)
     full = f"{instance}.{name}"
     if variable is None:
-        names = [v for v in settable(description) if v not in description.partials]
-        raise ValueRefusedError(
-            f"{instance} ({description.label}) has no variable '{name}'; {choices(name, names)}"
-        )
-    if not _takes_value(variable):
+        raise description.unknown(instance, name)
+    if not variable.takes_value:
         raise ValueRefusedError(
             f"{full} cannot be given a value: it is a {variable.variability} {variable.causality}; "
             "parameters and inputs can"
@@ -137,14 +129,6 @@ def _is_value(word: str) -> bool:
     except ValueError:
         return word.lower() in ("true", "false")
     return True
-
-
-def _takes_value(variable: Variable) -> bool:
-    if variable.variability == "constant" or variable.causality == "independent":
-        return False
-    if variable.causality in ("parameter", "structuralParameter", "input"):
-        return True
-    return variable.initial in ("exact", "approx")
 
 
 def _digits(full: str, value: Value) -> str:

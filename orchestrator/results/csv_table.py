@@ -17,8 +17,8 @@ NAME = "results.csv"
 class CsvTable:
     """A sink that writes a CSV file; raises OSError where it cannot be."""
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path | str) -> None:
+        self.path = Path(path)
 
     def begin(self, header: Header) -> None:
         self._stream = self.path.open("w", newline="")

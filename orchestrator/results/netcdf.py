@@ -51,8 +51,8 @@ class ResultsFile:
     Behind each row stands its checksum.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path | str) -> None:
+        self.path = Path(path)
         self._opened = False
 
     def begin(self, header: Header) -> None:

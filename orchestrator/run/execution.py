@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from functools import cached_property
+from pathlib import Path
 from typing import Self
 from uuid import uuid4
 
@@ -26,6 +27,7 @@ from ..results.run import Run, Statistics
 from ..results.sink import Header, Sink
 from ..slaves.departure import callers, departing
 from ..slaves.session import Session
+from ..ssp.reader import system_of
 from ..system.system import System
 from ..trust.findings import Evidence
 from .checkpoint import Checkpoint, Checkpoints, refuse_without_state, remove_checkpoint
@@ -33,7 +35,7 @@ from .context import Context
 from .initial_values import settle
 from .log import Logger, listener
 from .outcome import Kind, Outcome
-from .settings import Settings
+from .settings import Settings, chosen
 from .stepping import Progress, Stepper
 from .texts import Texts
 from .watch import Watch
@@ -56,8 +58,8 @@ class Execution:
 
     def __init__(
         self,
-        system: System,
-        master: Master,
+        system: System | Path | str,
+        master: Master | str,
         settings: Settings,
         *,
         logger: Logger | None = None,
@@ -66,6 +68,8 @@ class Execution:
         resumed: Checkpoint | None = None,
     ) -> None:
         self._began = time.perf_counter()
+        system = system_of(system)
+        master, settings = chosen(master, settings, {})
         grid, self.notes = settings.grid(system.experiment)
         self._interval = settings.interval(grid.step)
         plan = make_plan(system, settings.record, isolated=settings.isolate)

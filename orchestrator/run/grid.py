@@ -7,9 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..errors import CouplingError
+from ..fmu.given import in_unit
 
 WHOLE = 1e-9
 """Relative distance from a whole number of steps that is rounding."""
+
+RESOLVED = 0.01
+"""Distance of two neighbouring doubles, over the step, at which times are still told apart well."""
 
 
 @dataclass(frozen=True)
@@ -30,13 +34,23 @@ class Grid:
         return self.start + self.steps * self.step
 
 
-def make_grid(duration: float, step: float, start: float) -> tuple[Grid, list[str]]:
-    """Macro steps that cover the duration [s], and a note where they end after it."""
+def make_grid(
+    duration: float | str, step: float | str, start: float | str
+) -> tuple[Grid, list[str]]:
+    """Macro steps that cover the duration [s], and a note where they end after it.
+
+    Times may be text, such as "8 s". Raises CouplingError for what cannot be run.
+    """
+    duration, step, start = (
+        in_unit(given, "s", name)
+        for name, given in (("duration", duration), ("step", step), ("start", start))
+    )
     for name, value in (("duration", duration), ("step", step)):
         if not (math.isfinite(value) and value > 0.0):
             raise CouplingError(f"a {name} of {value:g} s cannot be run; it must be above zero")
     if not math.isfinite(start):
         raise CouplingError(f"a run cannot start at {start:g} s; give a finite time")
+    _check_resolved(start, start + duration, step)
     count = duration / step
     if count < 1.0 - WHOLE:
         raise CouplingError(
@@ -52,3 +66,16 @@ def make_grid(duration: float, step: float, start: float) -> tuple[Grid, list[st
         f"the run goes on to the end of the last one, {steps * step:g} s"
     )
     return Grid(start, step, steps), [note]
+
+
+def _check_resolved(start: float, stop: float, step: float) -> None:
+    """Raise CouplingError where the times are so large that steps vanish in their rounding."""
+    if not math.isfinite(stop):
+        raise CouplingError(f"a run from {start:g} s on has no end that a number can hold")
+    far = max(start, stop, key=abs)
+    apart = math.ulp(far)
+    if apart > RESOLVED * step:
+        raise CouplingError(
+            f"steps of {step:g} s vanish in the rounding of times near {far:g} s, which are "
+            f"{apart:.2g} s apart; start nearer to 0, or give a longer step"
+        )

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import CheckpointError, CouplingError, choices
-from ..masters.base import Master, master_named, options_of_masters
+from ..fmu.given import take_fields
+from ..masters.base import Master, all_masters, master_named, options_of_masters
 from ..options import option
 from ..system.system import STEP, Experiment, System
 from .grid import Grid, make_grid
@@ -19,19 +20,18 @@ from .grid import Grid, make_grid
 class Settings:
     """How a system is run; what is None is taken from its experiment, else 1 ms from 0 s on.
 
-    duration, step, start: times [s]. record: names or patterns of the outputs to keep; None keeps
-    all, and every open input. every: rows at multiples of so many macro steps are kept.
-    out: folder for results.nc, which is written as the rows are made; then no more than `memory`
-    [bytes] of rows are held. Without it all rows stay in memory.
-    checkpoint: simulated time [s] between two checkpoints in `out`, from which `resume` goes on.
-    isolate: instances that run in processes of their own, where a crash, or a call that takes more
-    than `timeout` [s] of wall time, ends the run and not the program.
-    fmu_tolerance: relative tolerance that the FMUs are told to solve to; without it each is told
-    that of its own default experiment, if it has one.
-    self_test: test first whether the FMUs do what they say, each once (see `trust`), and predict
-    the largest stable step.
-    compiled: False runs the same macro loop as plain Python. measure: estimate the share of time
-    inside the FMUs. command: for the results' provenance. Raises OrchestratorError.
+    duration, step, start: times [s]; as all that has a unit, also text such as "8 s". record: name
+    or pattern of the outputs to keep, or several; None keeps all, and every open input. every: rows
+    at multiples of so many macro steps are kept. out: folder for results.nc, which is written as
+    the rows are made; then no more than `memory` [bytes] of rows are held. Without it all rows stay
+    in memory. checkpoint: simulated time [s] between two checkpoints in `out`, from which `resume`
+    goes on. isolate: instances that run in processes of their own, where a crash, or a call that
+    takes more than `timeout` [s] of wall time, ends the run and not the program. fmu_tolerance:
+    relative tolerance that the FMUs are told to solve to; without it each is told that of its own
+    default experiment, if it has one. self_test: test first whether the FMUs do what they say, each
+    once (see `trust`), and predict the largest stable step. compiled: False runs the same macro
+    loop as plain Python. measure: estimate the share of time inside the FMUs. command: for the
+    results' provenance. Raises OrchestratorError.
     """
 
     duration: float | None = option(None, "Simulated time.", unit="s")
@@ -43,7 +43,7 @@ class Settings:
     every: int = option(1, "Keep the rows at multiples of N macro steps.", least=1)
     out: Path | None = option(None, "Folder for the results.")
     memory: float = option(
-        200e6, "Most that rows not yet in results.nc may take in memory.", unit="byte"
+        200e6, "Most that rows not yet in results.nc may take in memory.", unit="byte", above=0.0
     )
     checkpoint: float | None = option(
         None,
@@ -56,7 +56,7 @@ class Settings:
         "not the program; foreign: of all that are not tracktrain's own.",
     )
     timeout: float = option(
-        60.0, "Longest wall time that a call of an isolated FMU may take.", unit="s"
+        60.0, "Longest wall time that a call of an isolated FMU may take.", unit="s", above=0.0
     )
     fmu_tolerance: float | None = option(
         None,
@@ -74,20 +74,7 @@ class Settings:
     command: str | None = option(None, "What was typed, for the results' provenance.")
 
     def __post_init__(self) -> None:
-        if self.record is not None:
-            object.__setattr__(self, "record", tuple(self.record))
-        object.__setattr__(self, "isolate", tuple(self.isolate))
-        if self.out is not None:
-            object.__setattr__(self, "out", Path(self.out))
-        tolerance = self.fmu_tolerance
-        if tolerance is not None and not 0.0 < tolerance < math.inf:
-            raise CouplingError(
-                f"FMUs cannot solve to a tolerance of {tolerance:g}; give a number above 0, or none"
-            )
-        if self.every < 1:
-            raise CouplingError(
-                f"one row of every {self.every} cannot be kept; give a whole number above 0"
-            )
+        take_fields(self)
 
     def span(self, experiment: Experiment) -> tuple[float, float, float]:
         """Start, duration and step [s]: those given, else the experiment's, else the usual."""
@@ -141,6 +128,11 @@ def chosen(
             known = [*own, *options_of_masters()]
             raise TypeError(f"a run has no setting '{name}'; {choices(name, sorted(known))}")
     options = {name: value for name, value in given.items() if name not in own}
+    if not isinstance(master, Master | str):
+        raise CouplingError(
+            f"{master!r:.100} is no master; give one, such as Jacobi(), or its name; "
+            f"{choices('', all_masters())}"
+        )
     if isinstance(master, str):
         master = master_named(master, **options)
     elif options:

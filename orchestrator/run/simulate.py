@@ -12,6 +12,7 @@ from ..masters.one_pass import OnePass
 from ..results.run import Run
 from ..results.sink import Sink
 from ..slaves.session import Session
+from ..ssp.reader import system_of
 from ..system.system import System
 from ..trust.findings import Evidence, SelfTest
 from ..trust.probe import Start
@@ -28,7 +29,7 @@ ONE_PASS, USUAL = OnePass(), Settings()
 
 
 def simulate(
-    system: System,
+    system: System | Path | str,
     master: Master | str = ONE_PASS,
     settings: Settings = USUAL,
     *,
@@ -42,14 +43,16 @@ def simulate(
 
     simulate(system, Jacobi(order=1), Settings(duration=8.0, step=1e-3))
     simulate(system, duration=8.0, step=1e-3, master="jacobi", order=1)
+    simulate("car.ssp", duration="8 s", record="wheelset_*.force_y")
 
-    given: fields of the settings and of the master, by name, which change those. progress: called
-    with simulated time and wall time of stepping [s]. logger: a `Log`, or a function; called with
-    what FMUs say. session: keeps the FMUs loaded for the next run, which resets them. sinks: take
-    the rows as they are made.
+    system: one, or the path of a file that `read_ssp` reads. given: fields of the settings and of
+    the master, by name, which change those. progress: called with simulated time and wall time of
+    stepping [s]. logger: a `Log`, or a function; called with what FMUs say. session: keeps the FMUs
+    loaded for the next run, which resets them. sinks: take the rows as they are made.
     Raises OrchestratorError for what does not fit before the first step; from then on the run
     always returns, and says in `outcome` why it stopped early.
     """
+    system = system_of(system)
     master, settings = chosen(master, settings, given)
     tests = self_tests(system.components) if settings.self_test else {}
     system = _as_tested(system, tests)

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from ..errors import CouplingError
 from ..system.system import STEP, Experiment, PowerBond, System
 from .bindings import Parameters
 from .connections import GIVES, Network, Port, connections, read_network
@@ -54,6 +55,17 @@ def read_ssp(
         bonds=_bonds(root),
         experiment=experiment,
         notes=tuple(notes),
+    )
+
+
+def system_of(given: System | Path | str) -> System:
+    """A system as it is, or that of a file as `read_ssp` reads it; raises OrchestratorError."""
+    if isinstance(given, System):
+        return given
+    if isinstance(given, Path | str):
+        return read_ssp(given)
+    raise CouplingError(
+        f"a {type(given).__name__} is no system; give a System, or the path of an .ssp or .ssd file"
     )
 
 

@@ -21,7 +21,7 @@ from ..system.system import STEP, Component, Connection, Experiment, System, spl
 from ..system.transformation import IDENTITY, Linear, Transformation
 from .package import DEFAULT
 from .parameter_sets import ParameterSet, UnitsInUse, shape_of, type_in, write_dimensions
-from .reader import OSP, OWN
+from .reader import OSP, OWN, system_of
 from .structure import TABLE
 from .xml import new_document, text_of
 
@@ -33,7 +33,7 @@ DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def write_ssp(
-    system: System,
+    system: System | Path | str,
     path: Path | str,
     *,
     name: str | None = None,
@@ -46,7 +46,7 @@ def write_ssp(
     arrays of FMI 3.0; by default the first that will do. changes_only: leave out values that the
     FMUs start with anyway. Raises OrchestratorError.
     """
-    path = Path(path)
+    system, path = system_of(system), Path(path)
     version = version or _version(system)
     if version not in VERSIONS:
         raise SspError(f"SSP has no version '{version}'; {choices(version, VERSIONS)}")

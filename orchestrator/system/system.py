@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from contextlib import suppress
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 
-from ..errors import CouplingError, choices
+from ..errors import CouplingError, FmuError, choices
+from ..fmu.description import CO_SIMULATION, MODEL_EXCHANGE
+from ..fmu.given import in_unit
 from ..fmu.port_map import PortMap
+from ..fmu.read import describe
 from .profile import Profile
 from .source import Source
 from .transformation import IDENTITY, Transformation
@@ -77,6 +81,11 @@ class Experiment:
     stop: float | None = None
     step: float | None = None
 
+    def __post_init__(self) -> None:
+        for stated in fields(self):
+            if (given := getattr(self, stated.name)) is not None:
+                object.__setattr__(self, stated.name, in_unit(given, "s", stated.name))
+
 
 @dataclass(frozen=True)
 class System:
@@ -91,15 +100,33 @@ class System:
     experiment: Experiment = Experiment()
     notes: tuple[str, ...] = field(default=(), compare=False)
 
+    def __post_init__(self) -> None:
+        """Take a path for its component, and a pair of names for their connection."""
+        components = {
+            name: given if isinstance(given, Component) else Component(given)
+            for name, given in self.components.items()
+        }
+        connections = tuple(
+            Connection(*given) if isinstance(given, tuple | list) else given
+            for given in self.connections
+        )
+        object.__setattr__(self, "components", components)
+        object.__setattr__(self, "connections", connections)
+
     def with_fmu(self, instance: str, fmu: Path | Source, ports: PortMap | None = None) -> System:
         """The same system with another FMU in an instance's place; its values are kept."""
         component = replace(self._component(instance), fmu=fmu, ports=ports)
         return replace(self, components={**self.components, instance: component})
 
     def with_value(self, name: str, value: Value) -> System:
-        """The same system with a start value for "instance.variable"."""
+        """The same system with a start value for "instance.variable".
+
+        Raises CouplingError or ValueRefusedError for a name that there is not; whether the value
+        fits is seen when the system is run.
+        """
         instance, variable = split(name)
         component = self._component(instance)
+        _check_known(instance, component, variable)
         changed = replace(component, parameters={**component.parameters, variable: value})
         return replace(self, components={**self.components, instance: changed})
 
@@ -173,6 +200,24 @@ class System:
                 f"there is no instance '{instance}'; {choices(instance, self.components)}"
             )
         return self.components[instance]
+
+
+def _check_known(instance: str, component: Component, name: str) -> None:
+    """Raise ValueRefusedError where an instance has no variable of a name.
+
+    Of an FMU that cannot be read, the run says so.
+    """
+    description = None
+    if not isinstance(component.fmu, Path):
+        description = component.fmu.description
+    else:
+        for interface in (MODEL_EXCHANGE, CO_SIMULATION):
+            with suppress(FmuError):
+                description = describe(component.fmu, interface=interface)
+        if description is not None and component.ports is not None:
+            description = component.ports.applied(description)
+    if description is not None and not description.may_have(name):
+        raise description.unknown(instance, name)
 
 
 def split(name: str) -> tuple[str, str]:

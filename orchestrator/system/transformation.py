@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ..errors import CouplingError
+from ..fmu.given import in_unit
 
 Kind = Literal["Boolean", "Integer", "Enumeration"]
 
@@ -18,6 +19,10 @@ class Linear:
 
     factor: float = 1.0
     offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("factor", "offset"):
+            object.__setattr__(self, name, in_unit(getattr(self, name), "1", name))
 
     def __call__(self, value: float) -> float:
         return self.factor * value + self.offset

@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import CouplingError
+from ..fmu.given import in_unit
 from ..plan.plan import Plan
 from ..run.log import Logger, listener
+from ..ssp.reader import system_of
 from ..system.system import System
 from .model_exchange import Model, load_models, plan_whole
 from .monolith import Whole
@@ -44,10 +47,10 @@ class LinearModel:
 
 
 def linearise(
-    system: System,
+    system: System | Path | str,
     *,
-    start: float = 0.0,
-    record: Sequence[str] | None = None,
+    start: float | str = 0.0,
+    record: str | Sequence[str] | None = None,
     logger: Logger | None = None,
 ) -> LinearModel:
     """The linear model of a system at its start; algebraic loops are solved.
@@ -55,6 +58,7 @@ def linearise(
     Raises OrchestratorError for an FMU that offers no model exchange or no directional derivatives,
     and for loops without a solution.
     """
+    system, start = system_of(system), in_unit(start, "s", "start")
     plan = plan_whole(system, record)
     with ExitStack() as stack:
         models = load_models(system, plan, stack, start, start, listener(logger))

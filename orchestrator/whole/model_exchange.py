@@ -177,7 +177,7 @@ class Fmi3Model(Model, Fmi3Slave):
         )
 
 
-def plan_whole(system: System, record: Sequence[str] | None) -> Plan:
+def plan_whole(system: System, record: str | Sequence[str] | None) -> Plan:
     """The plan of a system whose FMUs are integrated as one.
 
     Raises CouplingError naming the instances that offer no model exchange.

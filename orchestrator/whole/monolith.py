@@ -9,6 +9,7 @@ import time as clock
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
 from ..errors import CouplingError, OrchestratorError
+from ..fmu.given import in_unit
 from ..plan.order import evaluation_order
 from ..plan.plan import Plan, feedthrough
 from ..results.netcdf import STOPPED
@@ -26,6 +28,7 @@ from ..run.grid import Grid, make_grid
 from ..run.log import Logger, listener
 from ..run.outcome import Kind, Outcome
 from ..run.stepping import Progress
+from ..ssp.reader import system_of
 from ..system.system import System
 from .model_exchange import ITERATIONS, Array, Call, Model, load_models, plan_whole
 
@@ -40,30 +43,31 @@ CROWD = 200
 
 
 def monolith(
-    system: System,
+    system: System | Path | str,
     *,
-    duration: float,
-    sample: float = 1e-3,
-    start: float = 0.0,
-    record: Sequence[str] | None = None,
+    duration: float | str,
+    sample: float | str = 1e-3,
+    start: float | str = 0.0,
+    record: str | Sequence[str] | None = None,
     tolerance: float = TOLERANCE,
     progress: Progress | None = None,
     logger: Logger | None = None,
 ) -> Run:
     """Integrate a system as one for `duration` [s], recorded every `sample` [s].
 
-    record: names or patterns of the outputs to keep; None keeps all, and every open input.
-    Variable steps of Dormand and Prince's method of order 8, which end at the events that the FMUs
-    indicate. Raises OrchestratorError for what does not fit before the first step, such as an FMU
-    that offers no model exchange; from then on the run returns, and says in `message` why it
-    stopped early.
+    As `simulate`, it takes the path of a system file, and times with units as text. record: names
+    or patterns of the outputs to keep; None keeps all, and every open input. Variable steps of
+    Dormand and Prince's method of order 8, which end at the events that the FMUs indicate. Raises
+    OrchestratorError for what does not fit before the first step, such as an FMU that offers no
+    model exchange; from then on the run returns, and says in `message` why it stopped early.
     """
     begin = clock.perf_counter()
     grid, notes = make_grid(duration, sample, start)
+    system, tolerance = system_of(system), in_unit(tolerance, "1", "tolerance")
     plan = plan_whole(system, record)
     refuse_loops(plan)
     with ExitStack() as stack:
-        models = load_models(system, plan, stack, start, grid.stop, listener(logger))
+        models = load_models(system, plan, stack, grid.start, grid.stop, listener(logger))
         whole = Whole(plan, models)
         rows = np.full((grid.steps + 1, len(plan.columns)), np.nan)
         opened = [(i, v) for i, v in plan.open_inputs if v.kind == "real"]
@@ -80,13 +84,13 @@ def monolith(
         variables=[(plan.name(i, v), v) for i, v in named],
         attributes=provenance(
             plan,
-            {"master": "monolith", "tolerance": tolerance, "step": sample, "start": start},
+            {"master": "monolith", "tolerance": tolerance, "step": grid.step, "start": grid.start},
             [*notes, *plan.notes],
             {STOPPED: message},
         ),
         outcome=Outcome(Kind.FAILED, grid.time(done - 1), why=message) if message else None,
         bonds=[],
-        statistics=Statistics(wall_load, wall, (done - 1) * sample / wall),
+        statistics=Statistics(wall_load, wall, (done - 1) * grid.step / wall),
         notes=[*notes, *plan.notes, counts],
     )
 

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import OrchestratorError, ResultsError
+from ..fmu.given import in_unit
 from ..masters.base import Master
 from ..plan.plan import make_plan
 from ..results.folder import owned
@@ -29,6 +30,7 @@ from ..run.settings import Settings, chosen
 from ..run.simulate import ONE_PASS, USUAL, simulate
 from ..run.stepping import Progress
 from ..slaves.session import Session
+from ..ssp.reader import system_of
 from ..system.system import System
 from ..trust.findings import Error, Refinement
 from .monolith import monolith
@@ -46,12 +48,12 @@ Array = NDArray[np.float64]
 
 
 def verify(
-    system: System,
+    system: System | Path | str,
     master: Master | str = ONE_PASS,
     settings: Settings = USUAL,
     *,
-    outputs: Sequence[str] | None = None,
-    twin: float = TWIN,
+    outputs: str | Sequence[str] | None = None,
+    twin: float | str = TWIN,
     run: Run | None = None,
     progress: Progress | None = None,
     logger: Logger | None = None,
@@ -64,6 +66,7 @@ def verify(
     model exchange; 0 for none. run: the run itself, where it was made before. Raises
     OrchestratorError as `simulate` does.
     """
+    system, twin = system_of(system), in_unit(twin, "s", "twin")
     master, settings = chosen(master, settings, given)
     start, duration, step = settings.span(system.experiment)
     names = _chosen(system, outputs)
@@ -129,7 +132,7 @@ def _say(path: Path, judged: Run) -> None:
         judged.notes.append(f"the file does not say the verdict: {error}")
 
 
-def _chosen(system: System, outputs: Sequence[str] | None) -> list[str]:
+def _chosen(system: System, outputs: str | Sequence[str] | None) -> list[str]:
     plan = make_plan(system, outputs)
     if outputs is not None:
         return [plan.name(*plan.columns[n]) for n in plan.recorded]

@@ -5,9 +5,14 @@ table = assess(run.dataset)
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pandas as pd
 import xarray as xr
 
+from orchestrator import Run
+
+from ..results import dataset_of
 from .car import Car
 from .criteria import LIMITS, MEASURES
 from .rules import NotApplicableError, Rule, from_si, rules
@@ -16,16 +21,17 @@ PASSED, EXCEEDED, NO_LIMIT = "passed", "exceeded", "no limit"
 NOTHING = {"place": "", "value": float("nan"), "limit": float("nan"), "share": float("nan")}
 
 
-def assess(dataset: xr.Dataset) -> pd.DataFrame:
+def assess(run: xr.Dataset | Run | Path | str) -> pd.DataFrame:
     """What each rule of limits.toml says about a run of the hopper car, indexed by quantity.
 
+    run: it, its dataset, or the folder that it wrote.
     Columns: place (of the worst value), value, limit, unit, share (of the limit; of wheel loads
     that of the admissible unloading), result (passed, exceeded, no limit, or not applicable and
     why), applies (whether the run is what the rule is for; else it is shown for comparison), scope,
     statistic, filter, window, formula, source, verified (whether the limit was read there), quote.
     """
     try:
-        car: Car | NotApplicableError = Car(dataset)
+        car: Car | NotApplicableError = Car(dataset_of(run))
     except NotApplicableError as reason:
         car = reason
     return pd.DataFrame([_row(car, rule) for rule in rules()]).set_index("quantity")

@@ -8,7 +8,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from fmus.catalogue import fmu_path
-from orchestrator import Component, System, Value
+from orchestrator import Component, System, Value, in_unit
 
 from ..errors import HopperError, choices
 from .layout import Layout, Truck
@@ -53,14 +53,15 @@ REPORT_SPEED = 18.288
 
 
 def hopper_car(
-    car: str = "loaded", speed: float = REPORT_SPEED, track: str = "report", seed: int = 1
+    car: str = "loaded", speed: float | str = REPORT_SPEED, track: str = "report", seed: int = 1
 ) -> System:
     """The hopper car `car` of `CARS` at `speed` [m/s] on the track `track` of `TRACKS`.
 
-    The FMUs are the catalogue's, built for this machine if they are not there. `seed` chooses the
-    realisation of the irregularities. Raises HopperError for a car, track or speed that is not.
+    The speed may be text with a unit, such as "60 ft/s". The FMUs are the catalogue's, built for
+    this machine if they are not there. `seed` chooses the realisation of the irregularities. Raises
+    HopperError for a car, track or speed that is not.
     """
-    layout = vehicle(car).layout
+    layout, speed = vehicle(car).layout, in_unit(speed, "m/s", "speed")
     if track not in TRACKS:
         raise HopperError(f"there is no track '{track}'; {choices(track, TRACKS)}")
     if not 0.0 < speed < float("inf"):

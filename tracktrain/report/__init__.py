@@ -16,11 +16,12 @@ import xarray as xr
 from jinja2 import Environment, PackageLoader
 from plotly.offline import get_plotlyjs
 
-from orchestrator import Provenance
+from orchestrator import Provenance, Run
 
 from ..assessment import assess
 from ..car.validity import departures
 from ..errors import TracktrainError
+from ..results import dataset_of
 from . import content, motion, series
 from .packing import compressed, packed
 
@@ -29,14 +30,16 @@ SCRIPTS = ("data.js", "scene.js", "player.js", "plots.js", "page.js")
 """In the order in which they need each other."""
 
 
-def write_report(dataset: xr.Dataset, folder: Path, bonds: pd.DataFrame | None = None) -> Path:
+def write_report(
+    run: xr.Dataset | Run | Path | str, folder: Path | str, bonds: pd.DataFrame | None = None
+) -> Path:
     """Write report.html into a folder and return it.
 
-    bonds: as `tracktrain.results.bond_table` gives it. Raises TracktrainError for a run without
-    two rows.
+    run: it, its dataset, or the folder that it wrote. bonds: as `tracktrain.results.bond_table`
+    gives it. Raises TracktrainError for a run without two rows.
     """
-    path = folder / NAME
-    path.write_text(page(dataset, bonds), encoding="utf-8")
+    path = Path(folder) / NAME
+    path.write_text(page(dataset_of(run), bonds), encoding="utf-8")
     return path
 
 

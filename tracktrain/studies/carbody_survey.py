@@ -21,6 +21,7 @@ from ..options.car import car_option, fmu_option
 from ..plots import BLUE, MUTED, RED, STYLE
 from ..terminal import Progress, unseen
 from .common.command import study_command
+from .common.given import taking
 from .common.outcome import Outcome
 from .common.rig import Signals, completed, rig, run_on_rig, under_test
 from .common.ringdown import oscillation, separable
@@ -118,6 +119,7 @@ class Found:
     decay: xr.DataArray
 
 
+@taking()
 def carbody_survey(
     car: str = "empty", fmu: Path | None = None, progress: Progress = unseen
 ) -> Outcome:

@@ -18,6 +18,7 @@ from fmus.truck.identify import identify as fit
 from ..errors import TracktrainError, choices
 from ..plots import INK, MUTED, RED, STYLE
 from .common.command import study_command
+from .common.given import taking
 from .common.outcome import Outcome
 
 HEADING = re.compile(r"\s*(?P<name>.*?)\s*\[(?P<unit>[^\]]+)\]\s*")
@@ -30,6 +31,7 @@ SYMBOLS = {
 }
 
 
+@taking()
 def identify(file: Path, strain: str | None = None, force: str | None = None) -> Outcome:
     """Fit K0, K1, Kf, f and Delta to a loop of force over deflection.
 

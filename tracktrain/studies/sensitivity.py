@@ -17,6 +17,7 @@ from ..options.car import car_option, friction_option, speed_option
 from ..plots import BLUE, INK, RED, STYLE
 from ..scales import FOOT, MILE_PER_HOUR
 from .common.command import study_command
+from .common.given import taking
 from .common.outcome import Outcome
 
 BARS = 16
@@ -26,6 +27,7 @@ DIFFERENCE = 1e-4
 """Relative change of a parameter for the central difference that checks its derivative."""
 
 
+@taking(speed="m/s")
 def sensitivity(
     car: str = "loaded",
     friction: str = "stuck",

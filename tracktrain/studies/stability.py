@@ -38,6 +38,7 @@ from ..plots import MUTED, RED, STYLE, conversion
 from ..scales import FOOT, MILE_PER_HOUR
 from ..terminal import Progress, unseen
 from .common.command import study_command
+from .common.given import taking
 from .common.outcome import Outcome
 from .common.rig import completed
 from .common.ringdown import Oscillation, oscillation
@@ -60,6 +61,7 @@ class RingDown:
     swaps: Mapping[str, Path] = field(default_factory=dict)
 
 
+@taking(speeds=["m/s"], drawn_speed="m/s")
 def stability(
     car: str = "loaded",
     friction: str = "stuck",
@@ -131,6 +133,7 @@ Examples:
 )(_from_options)
 
 
+@taking(speed="m/s", duration="s")
 def identified(system: System, speed: float, duration: float = 80.0) -> Oscillation:
     """The oscillation that a system of the car's instances settles into after a small kick.
 

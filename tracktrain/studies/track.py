@@ -29,10 +29,12 @@ from ..options.types import Quantity
 from ..plots import BLUE, INK, MUTED, STYLE, column, conversion
 from ..scales import DISPLACEMENT, FOOT
 from .common.command import study_command
+from .common.given import taking
 from .common.outcome import Outcome
 from .common.rails import irregularity
 
 
+@taking(length="m")
 def track(track: str = "report", seed: int = 1, length: float = 2000.0) -> Outcome:
     """Histogram, spectrum and realisation of a track.
 

@@ -26,6 +26,7 @@ from ..plots import BLUE, GREEN, PURPLE, RED, STYLE, conversion
 from ..scales import INCH, POUND_FORCE
 from ..terminal import Progress, unseen
 from .common.command import study_command
+from .common.given import taking
 from .common.outcome import Outcome
 from .common.rig import FORCES, MOTION, Signals, completed, rig, run_on_rig, under_test
 
@@ -78,6 +79,7 @@ their inertia would under rails that come up at so many m/s2. Without it a truck
 lifts its wheels or rocks before its friction gives way."""
 
 
+@taking(loads=["kip"], periods=["s"])
 def truck_hysteresis(
     car: str = "loaded",
     wedge_law: str = "constant",

@@ -25,6 +25,7 @@ from ..options.car import car_option, fmu_option
 from ..plots import BLUE, MUTED, RED, STYLE
 from ..scales import FOOT
 from .common.command import study_command
+from .common.given import taking
 from .common.outcome import Outcome
 from .common.rig import FORCES, MOTION, completed, under_test
 from .common.ringdown import Oscillation, oscillation
@@ -52,6 +53,7 @@ class Frame:
     yaw: float = 0.0
 
 
+@taking(lateral_stiffness="N/m", yaw_stiffness="N.m/rad")
 def wheelset(
     car: str = "loaded",
     lateral_stiffness: float = LATERAL_STIFFNESS,

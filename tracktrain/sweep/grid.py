@@ -9,14 +9,14 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from orchestrator import owned
+from orchestrator import in_unit, owned
 
 from ..car.hopper import CARS, hopper_car
 from ..errors import choices
 from ..options.chosen import Shape
 from ..options.master import USUAL as COUPLED
 from ..terminal import Progress, unseen
-from .axes import Axis, Given, SweepError, make_axis, shaped
+from .axes import QUANTITIES, Axis, Given, SweepError, make_axis, shaped
 from .store import Store
 from .table import make_table, write_table
 from .workers import rows
@@ -32,7 +32,7 @@ def sweep(
     over: Mapping[str, Given] | Sequence[Axis],
     *,
     out: Path | str | None = None,
-    outputs: Sequence[str] | None = None,
+    outputs: str | Sequence[str] | None = None,
     workers: int | None = None,
     scheduler: str | None = None,
     reuse: bool = True,
@@ -51,6 +51,7 @@ def sweep(
     Raises SweepError for what cannot be swept over; a run that fails is a row that says why.
     """
     axes = _axes(over)
+    outputs = [outputs] if isinstance(outputs, str) else outputs
     shape = _shape(options, axes)
     points = list(product(*(axis.values for axis in axes)))
     with ExitStack() as stack:
@@ -93,6 +94,9 @@ def _shape(options: Mapping[str, Any], axes: Sequence[Axis]) -> dict[str, Any]:
         if name not in USUAL:
             raise SweepError(f"a sweep has no option '{name}'; {choices(name, USUAL)}")
     shape = {**USUAL, **options}
+    for name, unit in QUANTITIES.items():
+        if shape.get(name) is not None:
+            shape[name] = in_unit(shape[name], unit, name)
     for axis in axes:
         shape.pop(axis.name, None)
     return shape

@@ -104,7 +104,7 @@ def test_threads_are_for_jacobi():
         ),
         (
             {"master": "jacobi", "threads": 0},
-            "0 threads can step nothing; give at least 1",
+            "threads cannot be 0: it must be at least 1",
         ),
     ):
         with pytest.raises(OrchestratorError) as caught:

@@ -117,8 +117,8 @@ def test_unit_that_nobody_knows():
             "a step of 2 s is longer than the run of 1 s; give a shorter step or a longer duration",
         ),
         (
-            {"duration": 1e9, "step": 1e-6},
-            "a record of 1000000000000001 rows of 5 values does not fit into memory; write it to a "
+            {"duration": 2e7, "step": 1e-6},
+            "a record of 20000000000001 rows of 5 values does not fit into memory; write it to a "
             "file as it is made, give a longer step or a shorter duration, or record fewer outputs",
         ),
         ({"start": float("inf")}, "a run cannot start at inf s; give a finite time"),

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -65,7 +66,7 @@ def test_decimation_keeps_multiples_and_sums_energy_over_all(tmp_path):
     assert thin.bonds == whole.bonds
     in_memory = simulate(damped_mass(2.0), **options, every=7)
     assert same(in_memory.dataset, thin.dataset)
-    with pytest.raises(OrchestratorError, match="give a whole number above 0"):
+    with pytest.raises(OrchestratorError, match="every cannot be 0: it must be at least 1"):
         simulate(damped_mass(2.0), **options, every=0)
 
 

@@ -90,7 +90,7 @@ def test_the_tolerance_is_the_default_experiments_or_the_users(tmp_path):
     assert told(asking) == 1e-7
     assert told(asking, fmu_tolerance=1e-3) == 1e-3
     assert told(asking, fmu_tolerance=1e-3, isolate=("odd",)) == 1e-3
-    with pytest.raises(OrchestratorError, match="FMUs cannot solve to a tolerance of -1"):
+    with pytest.raises(OrchestratorError, match="fmu_tolerance cannot be -1: it must be above 0"):
         simulate(asking, **STEPS, fmu_tolerance=-1.0)
 
 

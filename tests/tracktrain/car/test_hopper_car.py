@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from fmus import BLOCKS
+from orchestrator import OrchestratorError
 from tracktrain.car.changes import connected_ports
 from tracktrain.car.hopper import CARS, HOPPER, TRACKS, hopper_car
 from tracktrain.errors import HopperError
@@ -84,3 +85,11 @@ def test_car_that_does_not_exist_is_refused(arguments: dict[str, str], message: 
     with pytest.raises(HopperError) as error:
         hopper_car(**arguments)  # type: ignore[arg-type]
     assert message in str(error.value)
+
+
+def test_speed_may_be_text_with_a_unit() -> None:
+    assert hopper_car(speed="60 ft/s") == hopper_car(speed=18.288)
+    with pytest.raises(OrchestratorError, match="speed cannot be '60': the unit is missing"):
+        hopper_car(speed="60")
+    with pytest.raises(HopperError, match="there is no car '3'"):
+        hopper_car(3)  # type: ignore[arg-type]

@@ -17,6 +17,7 @@ from ...options.types import Quantity
 from ...scales import FOOT
 from ...terminal import Progress, unseen
 from ..common.command import study_command
+from ..common.given import taking
 from ..common.outcome import Outcome
 from .pictures import coordinates_figure, elements_figure, staircase_figure
 from .runs import Plateau, Transient, bisected, driven, on_perfect_track, transient
@@ -41,6 +42,7 @@ RESOLUTION = 0.1 * FOOT
 """Width of the bracket around the critical speed [m/s]."""
 
 
+@taking(speeds=["m/s"], duration="s", initial_yaw="rad", staircase=["m/s"], longest="s")
 def hunting(
     car: str = "loaded",
     speeds: Sequence[float] = SPEEDS,

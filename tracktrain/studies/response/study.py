@@ -28,6 +28,7 @@ from ...options.chosen import Assigned
 from ...scales import ANGLE, FOOT, MILE_PER_HOUR, Scale
 from ...terminal import Progress, unseen
 from ..common.command import study_command
+from ..common.given import taking
 from ..common.outcome import Outcome
 from ..common.rig import completed
 from .pictures import envelope_figure, history_figures, spectra_figure, transfer_figure
@@ -63,6 +64,7 @@ def responses(layout: Layout) -> dict[str, Shown]:
     return {**shown, "truck_yaw": Shown(f"{layout.front.instance}.q[2]", "truck yaw", ANGLE)}
 
 
+@taking(speeds=["m/s"], duration="s")
 def response(
     car: str = "loaded",
     track: str = "report",
