@@ -97,8 +97,8 @@ def test_our_truck_is_introduced_with_all_that_it_offers() -> None:
     assert "model exchange offers directional derivatives, saved state, serialised state" in said
     assert not any("without" in line for line in said)
     assert "experiment start 0, stop 8.0, step 0.001, tolerance 1e-08" in said
-    assert "inputs (32)" in said
-    assert "outputs (40)" in said
+    assert "inputs (36)" in said
+    assert "outputs (51)" in said
     assert any(line.startswith("axle[1].vy m/s axle[1].y no input Lateral") for line in said)
 
 

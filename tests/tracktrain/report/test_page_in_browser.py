@@ -77,7 +77,7 @@ def test_page_draws_everything_without_an_error(show: Callable[..., Driver]) -> 
     driver = show()
     assert driver.get_log("browser") == []
     assert not driver.find_element(By.ID, "broken").is_displayed()
-    for plot, least in (("time-plot", 1000), ("spectrum-plot", 60)):
+    for plot, least in (("time-plot", 300), ("spectrum-plot", 40)):
         paths = driver.find_elements(By.CSS_SELECTOR, f"#{plot} .scatterlayer path.js-line")
         assert len(paths) == 3
         assert all(len(path.get_attribute("d") or "") > least for path in paths)
