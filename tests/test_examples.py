@@ -9,28 +9,24 @@ from pathlib import Path
 EXAMPLES = Path(__file__).parent.parent / "examples"
 
 
+def printed_by(script: str, written: Path) -> str:
+    """What an example prints that writes a file."""
+    command = [sys.executable, EXAMPLES / script, written]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
 def test_the_hunting_example_ends_in_the_known_limit_cycle(tmp_path):
     picture = tmp_path / "hunting.png"
-    done = subprocess.run(
-        [sys.executable, EXAMPLES / "hunting.py", picture],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    amplitude = float(done.stdout.split(":")[1].split()[0])
+    printed = printed_by("hunting.py", picture)
+    amplitude = float(printed.split(":")[1].split()[0])
     assert 9.2 < amplitude < 9.4  # mm; 9.28 by the independent reference
     assert picture.stat().st_size > 10_000
 
 
 def test_the_truck_alone_settles_and_is_the_same_as_an_archive(tmp_path):
     archive = tmp_path / "truck.ssp"
-    done = subprocess.run(
-        [sys.executable, EXAMPLES / "truck_alone.py", archive],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    *seconds, verdict = done.stdout.splitlines()
+    printed = printed_by("truck_alone.py", archive)
+    *seconds, verdict = printed.splitlines()
     amplitude = [float(line.split()[2]) for line in seconds]
     assert amplitude == sorted(amplitude, reverse=True)
     assert amplitude[-1] < 0.1 * amplitude[0]
@@ -40,13 +36,8 @@ def test_the_truck_alone_settles_and_is_the_same_as_an_archive(tmp_path):
 
 def test_hunting_dies_out_below_the_critical_speed(tmp_path):
     picture = tmp_path / "run_down.png"
-    done = subprocess.run(
-        [sys.executable, EXAMPLES / "run_down.py", picture],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    amplitude = [float(line.split(":")[1].split()[0]) for line in done.stdout.splitlines()]
+    printed = printed_by("run_down.py", picture)
+    amplitude = [float(line.split(":")[1].split()[0]) for line in printed.splitlines()]
     assert amplitude == sorted(amplitude, reverse=True)
     assert amplitude[0] > 5.0 and amplitude[-1] < 0.2 * amplitude[0]  # mm
     assert picture.stat().st_size > 10_000

@@ -353,6 +353,11 @@ class Functions:
         self._continuous, self._slope = len(block.continuous), block.output_slope()
 
     @property
+    def has_margin(self) -> bool:
+        """Whether `step` and `outputs` have a margin, and functions that hold beyond it."""
+        return self.outputs_beyond is not self.outputs
+
+    @property
     def stations_forward(self) -> ca.Function:
         return self._along_seeds[0]
 

@@ -80,7 +80,7 @@ class Twin:
         """All outputs in block order."""
         f, at = self.block.functions, (self.x, self.u, self.p, self.d, self._lookup())
         found = f.outputs(*at)
-        if f.outputs_beyond is not f.outputs:
+        if f.has_margin:
             found, margin = found
             if float(margin) < 0:
                 found = f.outputs_beyond(*at)

@@ -63,7 +63,7 @@ def generated_functions(block: Block) -> dict[str, ca.Function]:
         names.append("memory_after")
     if block.constants:
         names.append("constants")
-    if f.outputs_beyond is not f.outputs:
+    if f.has_margin:
         names += ["step_beyond", "outputs_beyond"]
     if block.table:
         names += ["stations", "stations_forward"]
@@ -111,7 +111,7 @@ def _counts(block: Block) -> str:
         "N_ARRAYS": len(block.all_arrays),
         "N_INDICATORS": block.functions.event_indicators.numel_out(),
         "N_DERIVED": block.functions.derived.numel_out(0),
-        "HAS_MARGIN": int(block.functions.outputs_beyond is not block.functions.outputs),
+        "HAS_MARGIN": int(block.functions.has_margin),
         "TABLE_STATIONS": table.station_count if table else 0,
         "TABLE_VALUES": table.values if table else 0,
         "TABLE_NODES": table.nodes_per_page if table else 1,

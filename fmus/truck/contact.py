@@ -105,8 +105,10 @@ def touching_plate(
     q: Sequence[ca.SX], qd: Sequence[ca.SX], u: Signals, p: Signals, d: Signals
 ) -> Plate:
     """The whole plate carries, and only the plate, (8)."""
-    force, moment = _elastic_plate(q, qd, u, p, d)
+    c_roll, c_z = ca.vertsplit(d["contact_damping"])
     down, tilt = q[5] - u["car.z"], q[2] - u["car.roll"]
+    force = p["contact_vertical.stiffness"] * down + c_z * (qd[5] - u["car.vz"])
+    moment = p["contact_roll.stiffness"] * tilt + c_roll * (qd[2] - u["car.wx"])
     closed = down + p["half_side_bearing_spacing"] * ca.fabs(tilt) - d["bearing_gap"]
     rim = d["plate_hold"] + force - ca.fabs(moment) / p["centre_plate_radius"]
     none = ca.SX(0)
@@ -195,13 +197,3 @@ def _gap(parts: Sequence[tuple[ca.SX | float, ca.SX | float, Element]], carried:
             high, under = ca.if_else(behind, gap, high), ca.if_else(behind, value, under)
     fall = ca.fmax(over - under, 1e-30)
     return ca.fmax(ca.fmin(low + over / fall * (high - low), WIDEST), 0)
-
-
-def _elastic_plate(
-    q: Sequence[ca.SX], qd: Sequence[ca.SX], u: Signals, p: Signals, d: Signals
-) -> tuple[ca.SX, ca.SX]:
-    """Force and moment of the plate while it touches everywhere."""
-    c_roll, c_z = ca.vertsplit(d["contact_damping"])
-    force = p["contact_vertical.stiffness"] * (q[5] - u["car.z"]) + c_z * (qd[5] - u["car.vz"])
-    moment = p["contact_roll.stiffness"] * (q[2] - u["car.roll"]) + c_roll * (qd[2] - u["car.wx"])
-    return force, moment

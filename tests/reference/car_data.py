@@ -5,7 +5,7 @@ The numbers come from the shipped parameter sets, where each stands once with it
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -192,3 +192,15 @@ def _number(numbers: ParameterSet, block: str, name: str, unit: str) -> float:
 LOADED = car_data("loaded")
 REPORT_LINEAR = car_data("report-linear")
 EMPTY = car_data("empty")
+
+FREE = replace(
+    LOADED,
+    longitudinal_creep=0.0,
+    lateral_creep=0.0,
+    friction_limit=(0.0,) * 6,
+    modal_damping=0.0,
+    contact_damping_ratio=(0.0, 0.0),
+    side_bearing_damping=0.0,
+    side_bearing_friction=0.0,
+)
+"""The loaded car without anything that takes energy."""

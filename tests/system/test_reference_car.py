@@ -9,23 +9,13 @@ import pytest
 from scipy.linalg import expm
 
 import tolerances
-from reference.car_data import FOOT, INCH, LOADED, REPORT_LINEAR, CarData
+from reference.car_data import FOOT, FREE, INCH, LOADED, REPORT_LINEAR, CarData
 from reference.integration import Motion, initial_state, integrate
 from reference.irregular_rails import irregular_rails
 from reference.monolithic_car import COORDINATES, MonolithicCar, modes
 
 YAW = np.deg2rad(0.005)
 KICKED = {"front_yaw": 2e-3, "rear_bolster_vertical": 4e-3, "carbody_roll": 2e-3}
-FREE = replace(
-    LOADED,
-    longitudinal_creep=0.0,
-    lateral_creep=0.0,
-    friction_limit=(0.0,) * 6,
-    modal_damping=0.0,
-    contact_damping_ratio=(0.0, 0.0),
-    side_bearing_damping=0.0,
-    side_bearing_friction=0.0,
-)
 MIRROR = np.tile(
     # carbody: lateral, vertical, roll, yaw, pitch, torsion, bending; truck: q1 to q6
     np.array([-1, 1, -1, -1, 1, -1, -1, 1] + 2 * [-1, -1, -1, -1, -1, 1], dtype=float),

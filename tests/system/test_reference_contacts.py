@@ -9,23 +9,13 @@ import numpy as np
 import pytest
 
 import tolerances
-from reference.car_data import EMPTY, FOOT, LOADED, CarData
+from reference.car_data import EMPTY, FOOT, FREE, LOADED, CarData
 from reference.integration import VERTICAL_RAILS, Motion, initial_state, integrate
 from reference.irregular_rails import irregular_rails
 from reference.monolithic_car import COORDINATES, ELEMENTS, MonolithicCar
 from reference.one_sided import EDGES, PLATE, RELIEF, WHEELS
 
 SPEED = 60 * FOOT
-FREE = replace(
-    LOADED,
-    longitudinal_creep=0.0,
-    lateral_creep=0.0,
-    friction_limit=(0.0,) * 6,
-    modal_damping=0.0,
-    contact_damping_ratio=(0.0, 0.0),
-    side_bearing_damping=0.0,
-    side_bearing_friction=0.0,
-)
 TOSSED = initial_state(
     carbody_roll=0.02, carbody_vertical=0.03, carbody_lateral=0.03, front_lateral=0.004
 )

@@ -6,10 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import nan
 
+from ..hunting.runs import LARGE
 from .factors import factors
-
-HUNTS = 2e-3
-"""Amplitude of the leading axle from which the car hunts [m], as field tests have it."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +21,7 @@ class Point:
 
     @property
     def hunts(self) -> bool:
-        return self.amplitude > HUNTS
+        return self.amplitude > LARGE
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,8 @@ from ...scales import FOOT, MILE_PER_HOUR
 from ...terminal import Progress, unseen
 from ..common.command import study_command
 from ..common.outcome import Outcome
-from .cases import HUNTS, Case, Point
+from ..hunting.runs import LARGE, WINDOW
+from .cases import Case, Point
 from .factors import factors, field_speeds, joined, sets_of
 from .pictures import critical_figure, cycles_figure
 
@@ -38,9 +39,6 @@ FRICTION = ("stuck", "damper")
 
 PUSH = "6 mm"
 """Lateral displacement of the front truck from which a run starts: short of the flange."""
-
-WINDOW = 5.0
-"""Time over which an amplitude is taken, at the end of a run and before it [s]."""
 
 SAME = 0.05
 """Relative change of an amplitude between two windows below which it has settled."""
@@ -151,7 +149,7 @@ def _point(
     count = round(WINDOW / (time[1] - time[0]))
     before, now = (np.ptp(part) / 2 for part in (y[-2 * count : -count], y[-count:]))
     frequency = dominant_frequency(run.dataset[motion][-2 * count :])
-    return Point(speed, float(now), frequency, bool(abs(now - before) < SAME * max(now, HUNTS)))
+    return Point(speed, float(now), frequency, bool(abs(now - before) < SAME * max(now, LARGE)))
 
 
 def _changed(system: System, changes: Mapping[str, float]) -> System:
@@ -280,7 +278,7 @@ def _notes(cases: Sequence[Case]) -> list[str]:
         f"the field reports hunting from {field}; nothing here is fitted to it",
         "the ranking has the change of the critical speed with friction stuck, the lowest speed of "
         "the runs from which on the car hunts with this factor alone, and its frequency at the top",
-        f"runs start from a push of {PUSH} on the front truck; above {1e3 * HUNTS:g} mm at the end "
+        f"runs start from a push of {PUSH} on the front truck; above {1e3 * LARGE:g} mm at the end "
         "the car hunts; a star: the amplitude was still changing",
         "a critical speed of 0 means unstable at the lowest speed, a dash stable up to "
         f"{GRID[-1] / MILE_PER_HOUR:.0f} mph; the ranking counts these as the ends of the grid",
