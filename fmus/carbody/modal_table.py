@@ -1,0 +1,221 @@
+"""Modes from a table of comma-separated values: one row for a mode and point."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pint
+
+from ..describe.parameters import Entry
+from ..errors import ParameterError
+from .modal_data import DIRECTIONS, ENDS, Mode
+
+NEEDED = {"mode": "", "frequency": "Hz", "point": "", "y": "1", "z": "1", "roll": "rad/m",
+          "yaw": "rad/m"}  # fmt: skip
+FURTHER = {"x": "1", "pitch": "rad/m", "damping": "1", "modal_mass": "kg", "at_x": "m",
+           "at_y": "m", "at_z": "m", "basis": "", "source": ""}  # fmt: skip
+COLUMNS = {**NEEDED, **FURTHER}
+"""Columns, each with the unit that it has when its heading says no other: `frequency [Hz]`."""
+
+WORDS = ("mode", "point", "basis", "source")
+PLACE = ("at_x", "at_y", "at_z")
+HEADING = re.compile(r"\s*(\w+)\s*(?:[\[(]\s*(.*?)\s*[\])])?\s*")
+
+
+@dataclass(frozen=True)
+class Rows:
+    """modes: in the order of the table. shapes: (modes, points, 6) for modal mass 1 kg.
+
+    positions: of each point [m]; None where the table does not say.
+    """
+
+    modes: tuple[Mode, ...]
+    positions: Mapping[str, tuple[float, float, float] | None]
+    shapes: np.ndarray
+
+
+@dataclass(frozen=True)
+class _Row:
+    """One line of the table, in SI."""
+
+    place: str
+    words: Mapping[str, str]
+    numbers: Mapping[str, float]
+
+
+def read_rows(name: str, text: str, damping: float) -> Rows:
+    """The table of a file of this name; raises ParameterError with row and column.
+
+    damping: ratio [1] of a mode for which the table gives none.
+    """
+    rows = _rows(name, text)
+    by_place: dict[tuple[str, str], _Row] = {}
+    for row in rows:
+        key = row.words["mode"], row.words["point"]
+        if key in by_place:
+            raise ParameterError(
+                f"{row.place}: mode {key[0]} at point {key[1]} stands in {by_place[key].place} "
+                "already; give each mode and point once"
+            )
+        by_place[key] = row
+    modes = list(dict.fromkeys(mode for mode, _ in by_place))
+    points = list(dict.fromkeys(point for _, point in by_place))
+    missing = [end for end in ENDS if end not in points]
+    if missing:
+        raise ParameterError(
+            f"{name}: no row is of the centre plate {' or '.join(missing)}; the points are "
+            f"{', '.join(points[:12])}, call the centre plates front and rear"
+        )
+    for mode in modes:
+        for point in points:
+            if (mode, point) not in by_place:
+                raise ParameterError(
+                    f"{name}: mode {mode} has no row for the point {point}; give one for each of "
+                    f"{', '.join(points[:12])}"
+                )
+    shapes = [[_shape(by_place[mode, point]) for point in points] for mode in modes]
+    return Rows(
+        tuple(_mode([by_place[m, p] for p in points], damping, f"row of {name}") for m in modes),
+        {p: _position([by_place[m, p] for m in modes]) for p in points},
+        np.array(shapes),
+    )
+
+
+def _rows(name: str, text: str) -> list[_Row]:
+    """The lines below the heading; empty ones and those that begin with # are left out."""
+    numbered = [
+        (number, line)
+        for number, line in enumerate(text.splitlines(), start=1)
+        if line.strip(" ,;\t") and not line.lstrip().startswith("#")
+    ]
+    if len(numbered) < 2:
+        raise ParameterError(
+            f"{name} has no rows; write a heading with {', '.join(NEEDED)}, and a row for each "
+            "mode and point"
+        )
+    delimiter = max(",;\t", key=numbered[0][1].count)
+    try:
+        cells = list(csv.reader([line for _, line in numbered], delimiter=delimiter))
+    except csv.Error as error:
+        raise ParameterError(f"{name} is no table of comma-separated values: {error}") from error
+    factors = _heading(name, cells[0])
+    found = []
+    for (number, _), row in zip(numbered[1:], cells[1:], strict=False):
+        if len(row) != len(factors):
+            hint = "; write decimals with a point" if len(row) > len(factors) else ""
+            raise ParameterError(
+                f"{name}, row {number} has {len(row)} cells, the heading {len(factors)}{hint}"
+            )
+        found.append(_row(f"{name}, row {number}", row, factors))
+    return found
+
+
+def _heading(name: str, cells: Sequence[str]) -> dict[str, float]:
+    """Columns, and what their numbers are multiplied by."""
+    factors: dict[str, float] = {}
+    for cell in cells:
+        matched = HEADING.fullmatch(cell)
+        column = matched[1].lower() if matched else ""
+        if matched is None or column not in COLUMNS or column in factors:
+            wrong = "stands twice" if column in factors else "is no column of such a table"
+            raise ParameterError(
+                f"{name}: {cell.strip()!r} {wrong}; there are {', '.join(COLUMNS)}, each with its "
+                "unit if you like: frequency [Hz]"
+            )
+        given = "percent" if matched[2] == "%" else matched[2]
+        own = given is None or (column in DIRECTIONS and "^" in given)  # kg^(-1/2)
+        factors[column] = 1.0 if own else factor(f"{name}: {column}", given, COLUMNS[column])
+    missing = [column for column in NEEDED if column not in factors]
+    if missing:
+        raise ParameterError(
+            f"{name} lacks the column {', '.join(missing)}; it has {', '.join(factors)}"
+        )
+    return factors
+
+
+def factor(place: str, given: object, unit: str) -> float:
+    """What a number in the given unit is multiplied by to be in the FMI unit."""
+    try:
+        return Entry(1.0, str(given), "", "", "", "").to(unit)
+    except pint.DimensionalityError as error:
+        raise ParameterError(
+            f"{place} is given in {given!r}, which is {error.dim1}; give it in a unit of {unit}"
+        ) from error
+    except Exception as error:  # pint raises many kinds, tokenizer errors among them
+        raise ParameterError(
+            f"{place}: the unit {given!r} is not known; give one of {unit}, written like kg*m**2"
+        ) from error
+
+
+def _row(place: str, cells: Sequence[str], factors: Mapping[str, float]) -> _Row:
+    words, numbers = {}, {}
+    for (column, factor), cell in zip(factors.items(), cells, strict=True):
+        text = cell.strip()
+        if column in WORDS:
+            if column in NEEDED and not text:
+                raise ParameterError(f"{place}: the {column} is empty; give its name")
+            words[column] = text
+        elif text or column in NEEDED:
+            numbers[column] = factor * _number(f"{place}: {column}", text)
+    return _Row(place, words, numbers)
+
+
+def _number(place: str, text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        hint = "; write decimals with a point" if "," in text else "; give a number"
+        raise ParameterError(f"{place} is {text!r}{hint}")
+    return value
+
+
+def _shape(row: _Row) -> list[float]:
+    """A point's motion for modal mass 1 kg: a mode of modal mass m is divided by sqrt(m)."""
+    mass = row.numbers.get("modal_mass", 1.0)
+    if mass <= 0:
+        raise ParameterError(f"{row.place}: the modal mass is {mass:g} kg; give one above zero")
+    return [row.numbers.get(direction, 0.0) / math.sqrt(mass) for direction in DIRECTIONS]
+
+
+def _mode(rows: Sequence[_Row], damping: float, source: str) -> Mode:
+    def alike(column: str, missing: float) -> float:
+        return _alike(rows, f"mode {name}", column, lambda r: r.numbers.get(column, missing))
+
+    name = rows[0].words["mode"]
+    alike("modal_mass", 1.0)
+    words = rows[0].words
+    return Mode(
+        name,
+        alike("frequency", 0.0),
+        alike("damping", damping),
+        words.get("basis") or "assumed",
+        words.get("source") or source,
+    )
+
+
+def _position(rows: Sequence[_Row]) -> tuple[float, float, float] | None:
+    given = [row for row in rows if any(column in row.numbers for column in PLACE)]
+    if not given:
+        return None
+    name = f"point {rows[0].words['point']}"
+    x, y, z = (_alike(given, name, c, lambda r, c=c: r.numbers.get(c, 0.0)) for c in PLACE)  # type: ignore[misc]
+    return x, y, z
+
+
+def _alike(rows: Sequence[_Row], name: str, column: str, value: Callable[[_Row], float]) -> float:
+    """The value that all rows give; raises ParameterError when they differ."""
+    first = value(rows[0])
+    for row in rows[1:]:
+        if value(row) != first:
+            raise ParameterError(
+                f"{row.place}: {name} has {column} {value(row):g}, but {first:g} in "
+                f"{rows[0].place}; give it one"
+            )
+    return first
