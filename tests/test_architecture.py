@@ -49,9 +49,13 @@ COMPILED = {"register_jitable", "macro_loop", "c_function"}
         ("orchestrator", "tracktrain"),
         ("fmus", "orchestrator"),
         ("fmus", "tracktrain"),
+        ("fmus", "structures"),
+        ("orchestrator", "structures"),
+        ("structures", "orchestrator"),
+        ("structures", "tracktrain"),
     ],
 )
-def test_the_two_halves_do_not_know_each_other(package, stranger):
+def test_the_parts_do_not_know_each_other(package, stranger):
     known = {i.module.split(".")[0] for source in of(package) for i in source.imports()}
     assert stranger not in known
 

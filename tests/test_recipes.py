@@ -26,7 +26,7 @@ def test_there_is_a_recipe_for_what_is_added_most_often():
 
 @pytest.mark.parametrize("title", RECIPES)
 def test_a_recipe_works_as_it_is_written_and_changes_two_files_at_most(title, tmp_path):
-    for package in ("fmus", "orchestrator", "tracktrain"):
+    for package in ("fmus", "orchestrator", "structures", "tracktrain"):
         shutil.copytree(
             ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__")
         )

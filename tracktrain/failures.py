@@ -12,7 +12,7 @@ import click
 
 from orchestrator import plain
 
-PACKAGES = ("tracktrain", "orchestrator", "fmus")
+PACKAGES = ("tracktrain", "orchestrator", "fmus", "structures")
 
 
 class BadInput(click.ClickException):

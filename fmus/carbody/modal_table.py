@@ -19,6 +19,7 @@ NEEDED = {"mode": "", "frequency": "Hz", "point": "", "y": "1", "z": "1", "roll"
           "yaw": "rad/m"}  # fmt: skip
 FURTHER = {"x": "1", "pitch": "rad/m", "damping": "1", "modal_mass": "kg", "at_x": "m",
            "at_y": "m", "at_z": "m", "basis": "", "source": ""}  # fmt: skip
+MEASURED = {name: NEEDED[name] for name in ("mode", "frequency", "point")}
 COLUMNS = {**NEEDED, **FURTHER}
 """Columns, each with the unit that it has when its heading says no other: `frequency [Hz]`."""
 
@@ -48,12 +49,13 @@ class _Row:
     numbers: Mapping[str, float]
 
 
-def read_rows(name: str, text: str, damping: float) -> Rows:
+def read_rows(name: str, text: str, damping: float, whole: bool = True) -> Rows:
     """The table of a file of this name; raises ParameterError with row and column.
 
-    damping: ratio [1] of a mode for which the table gives none.
+    damping: ratio [1] of a mode for which the table gives none. whole: every mode is given at every
+    point, centre plates among them; else what is missing was not measured, and is nan.
     """
-    rows = _rows(name, text)
+    rows = _rows(name, text, NEEDED if whole else MEASURED)
     by_place: dict[tuple[str, str], _Row] = {}
     for row in rows:
         key = row.words["mode"], row.words["point"]
@@ -66,27 +68,37 @@ def read_rows(name: str, text: str, damping: float) -> Rows:
     modes = list(dict.fromkeys(mode for mode, _ in by_place))
     points = list(dict.fromkeys(point for _, point in by_place))
     missing = [end for end in ENDS if end not in points]
-    if missing:
+    if missing and whole:
         raise ParameterError(
             f"{name}: no row is of the centre plate {' or '.join(missing)}; the points are "
             f"{', '.join(points[:12])}, call the centre plates front and rear"
         )
     for mode in modes:
         for point in points:
-            if (mode, point) not in by_place:
+            if whole and (mode, point) not in by_place:
                 raise ParameterError(
                     f"{name}: mode {mode} has no row for the point {point}; give one for each of "
                     f"{', '.join(points[:12])}"
                 )
-    shapes = [[_shape(by_place[mode, point]) for point in points] for mode in modes]
+
+    def given(mode: str, point: str) -> list[_Row]:
+        return [by_place[mode, point]] if (mode, point) in by_place else []
+
+    missing_motion = 0.0 if whole else math.nan
+    shapes = np.full((len(modes), len(points), len(DIRECTIONS)), missing_motion)
+    for (mode, point), row in by_place.items():
+        shapes[modes.index(mode), points.index(point)] = _shape(row, missing_motion)
     return Rows(
-        tuple(_mode([by_place[m, p] for p in points], damping, f"row of {name}") for m in modes),
-        {p: _position([by_place[m, p] for m in modes]) for p in points},
-        np.array(shapes),
+        tuple(
+            _mode([r for p in points for r in given(m, p)], damping, f"row of {name}")
+            for m in modes
+        ),
+        {p: _position([r for m in modes for r in given(m, p)]) for p in points},
+        shapes,
     )
 
 
-def _rows(name: str, text: str) -> list[_Row]:
+def _rows(name: str, text: str, needed: Mapping[str, str]) -> list[_Row]:
     """The lines below the heading; empty ones and those that begin with # are left out."""
     numbered = [
         (number, line)
@@ -95,7 +107,7 @@ def _rows(name: str, text: str) -> list[_Row]:
     ]
     if len(numbered) < 2:
         raise ParameterError(
-            f"{name} has no rows; write a heading with {', '.join(NEEDED)}, and a row for each "
+            f"{name} has no rows; write a heading with {', '.join(needed)}, and a row for each "
             "mode and point"
         )
     delimiter = max(",;\t", key=numbered[0][1].count)
@@ -103,7 +115,7 @@ def _rows(name: str, text: str) -> list[_Row]:
         cells = list(csv.reader([line for _, line in numbered], delimiter=delimiter))
     except csv.Error as error:
         raise ParameterError(f"{name} is no table of comma-separated values: {error}") from error
-    factors = _heading(name, cells[0])
+    factors = _heading(name, cells[0], needed)
     found = []
     for (number, _), row in zip(numbered[1:], cells[1:], strict=False):
         if len(row) != len(factors):
@@ -111,11 +123,11 @@ def _rows(name: str, text: str) -> list[_Row]:
             raise ParameterError(
                 f"{name}, row {number} has {len(row)} cells, the heading {len(factors)}{hint}"
             )
-        found.append(_row(f"{name}, row {number}", row, factors))
+        found.append(_row(f"{name}, row {number}", row, factors, needed))
     return found
 
 
-def _heading(name: str, cells: Sequence[str]) -> dict[str, float]:
+def _heading(name: str, cells: Sequence[str], needed: Mapping[str, str]) -> dict[str, float]:
     """Columns, and what their numbers are multiplied by."""
     factors: dict[str, float] = {}
     for cell in cells:
@@ -130,7 +142,7 @@ def _heading(name: str, cells: Sequence[str]) -> dict[str, float]:
         given = "percent" if matched[2] == "%" else matched[2]
         own = given is None or (column in DIRECTIONS and "^" in given)  # kg^(-1/2)
         factors[column] = 1.0 if own else factor(f"{name}: {column}", given, COLUMNS[column])
-    missing = [column for column in NEEDED if column not in factors]
+    missing = [column for column in needed if column not in factors]
     if missing:
         raise ParameterError(
             f"{name} lacks the column {', '.join(missing)}; it has {', '.join(factors)}"
@@ -152,15 +164,17 @@ def factor(place: str, given: object, unit: str) -> float:
         ) from error
 
 
-def _row(place: str, cells: Sequence[str], factors: Mapping[str, float]) -> _Row:
+def _row(
+    place: str, cells: Sequence[str], factors: Mapping[str, float], needed: Mapping[str, str]
+) -> _Row:
     words, numbers = {}, {}
     for (column, factor), cell in zip(factors.items(), cells, strict=True):
         text = cell.strip()
         if column in WORDS:
-            if column in NEEDED and not text:
+            if column in needed and not text:
                 raise ParameterError(f"{place}: the {column} is empty; give its name")
             words[column] = text
-        elif text or column in NEEDED:
+        elif text or column in needed:
             numbers[column] = factor * _number(f"{place}: {column}", text)
     return _Row(place, words, numbers)
 
@@ -176,12 +190,12 @@ def _number(place: str, text: str) -> float:
     return value
 
 
-def _shape(row: _Row) -> list[float]:
+def _shape(row: _Row, missing: float) -> list[float]:
     """A point's motion for modal mass 1 kg: a mode of modal mass m is divided by sqrt(m)."""
     mass = row.numbers.get("modal_mass", 1.0)
     if mass <= 0:
         raise ParameterError(f"{row.place}: the modal mass is {mass:g} kg; give one above zero")
-    return [row.numbers.get(direction, 0.0) / math.sqrt(mass) for direction in DIRECTIONS]
+    return [row.numbers.get(direction, missing) / math.sqrt(mass) for direction in DIRECTIONS]
 
 
 def _mode(rows: Sequence[_Row], damping: float, source: str) -> Mode:

@@ -1,4 +1,4 @@
-"""The three packages as files that import each other, read without importing them.
+"""The packages as files that import each other, read without importing them.
 
 Imports inside functions and under TYPE_CHECKING count as all others do.
 """
@@ -13,7 +13,7 @@ from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("fmus", "orchestrator", "tracktrain")
+PACKAGES = ("fmus", "orchestrator", "structures", "tracktrain")
 
 
 @dataclass(frozen=True)

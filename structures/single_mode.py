@@ -1,0 +1,92 @@
+"""Modes from frequency response functions: quadrature peaks, and a fit of one mode at each.
+
+Acceleration over force near a mode is R s^2/(s^2 + 2 zeta w s + w^2) + B, s = i w, where B stands
+for all other modes. As a fraction of polynomials its coefficients follow from linear least squares,
+those of the denominator being shared by all functions (Richardson and Formenti, Parameter
+estimation from frequency response measurements using rational fraction polynomials, 1st
+International Modal Analysis Conference, 1982; here for one mode).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import find_peaks
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+PROMINENCE = 0.02
+"""A peak of the quadrature stands out by this share of the largest, or it is taken for noise."""
+
+WIDTHS = 2.0
+"""A mode is fitted within so many half-power widths on both sides of its peak."""
+
+LEAST_LINES = 7
+"""Spectral lines that a fit needs; five would just carry it."""
+
+
+@dataclass(frozen=True)
+class SingleMode:
+    """frequency [Hz], damping ratio; residues (functions,): phi_response phi_force [1/kg, ...]."""
+
+    frequency: float
+    damping: float
+    residues: Array
+
+
+def quadrature_peaks(frequency: Array, accelerance: Complex) -> list[int]:
+    """Lines at which modes stand: peaks of the imaginary parts' root mean square.
+
+    frequency: (n,) [Hz], growing. accelerance: (n, functions), acceleration over force.
+    """
+    height = np.sqrt(np.mean(accelerance.imag**2, axis=1))
+    found, _ = find_peaks(height, prominence=PROMINENCE * height.max())
+    return [int(line) for line in found]
+
+
+def fit(frequency: Array, accelerance: Complex, peak: int) -> SingleMode:
+    """The mode whose quadrature peaks at a line, from the lines around it.
+
+    The shape of a narrow peak is that of its mode, so that the band is taken from its own width.
+    """
+    near = _band(accelerance, peak)
+    w0 = 2 * pi * frequency[peak]
+    s = 2j * pi * frequency[near] / w0
+    size = np.abs(accelerance[near]).max()
+    functions = accelerance[near].T / size
+    numerator = np.column_stack([np.ones_like(s), s, s**2])
+    count = len(functions)
+    # H (s^2 + a1 s + a0) = b0 + b1 s + b2 s^2: a0, a1 of all functions, then each function's b
+    system = np.zeros((count * len(s), 2 + 3 * count), complex)
+    wanted = np.zeros(count * len(s), complex)
+    for k, h in enumerate(functions):
+        rows = slice(k * len(s), (k + 1) * len(s))
+        system[rows, 0], system[rows, 1] = h, h * s
+        system[rows, 2 + 3 * k : 5 + 3 * k] = -numerator
+        wanted[rows] = -h * s**2
+    real, target = (np.concatenate([part.real, part.imag]) for part in (system, wanted))
+    found = np.linalg.lstsq(real, target, rcond=None)[0]
+    square = max(float(found[0]), 1e-12)
+    pole = -found[1] / 2 + 1j * np.sqrt(max(square - found[1] ** 2 / 4, 1e-12))
+    at_pole = found[2:].reshape(count, 3) @ np.array([1, pole, pole**2])
+    return SingleMode(
+        float(frequency[peak] * np.sqrt(square)),
+        float(found[1] / 2 / np.sqrt(square)),
+        (at_pole / pole**2).real * size,
+    )
+
+
+def _band(accelerance: Complex, peak: int) -> slice:
+    """Lines around a peak, as far as the half-power widths reach."""
+    power = np.sum(np.abs(accelerance) ** 2, axis=1)
+    low = high = peak
+    while low > 0 and power[peak] / 2 < power[low - 1]:
+        low -= 1
+    while high < len(power) - 1 and power[peak] / 2 < power[high + 1]:
+        high += 1
+    reach = max(int(WIDTHS * (high - low) / 2), LEAST_LINES // 2)
+    return slice(max(peak - reach, 0), peak + reach + 1)

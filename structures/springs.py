@@ -1,0 +1,79 @@
+"""A carbody's modes on springs under its centre plates, and without them: report 4.1.5."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fmus.carbody.modal_data import PLATE_LOADS, ModalData
+
+Array = NDArray[np.float64]
+
+
+def under_plates(vertical: float, roll: float) -> Array:
+    """Stiffness of air springs, alike under both plates: (8, 8), rows `PLATE_LOADS`.
+
+    vertical [N/m], roll [N.m/rad].
+    """
+    own = {"force_z": vertical, "moment_x": roll}
+    return np.diag([own.get(load.partition(".")[2], 0.0) for load in PLATE_LOADS])
+
+
+def rigid_rows(data: ModalData) -> Array:
+    """What lateral, vertical, roll, yaw and pitch of unit modal mass move at the plates, (5, 8)."""
+    body = data.body
+    masses = (body.mass, body.mass, body.roll_inertia, body.yaw_inertia, body.pitch_inertia)
+    rows = np.zeros((5, 8))
+    for end, point in enumerate(data.point(name) for name in ("front", "rear")):
+        turned = [np.cross(axis, point.position) for axis in np.eye(3)]
+        motions = (
+            (1, 0, 0, 0),
+            (0, 1, 0, 0),
+            (turned[0][1], turned[0][2], 1, 0),
+            (turned[2][1], turned[2][2], 0, 1),
+            (turned[1][1], turned[1][2], 0, 0),
+        )
+        rows[:, 4 * end : 4 * end + 4] = motions
+    return rows / np.sqrt(masses)[:, None]
+
+
+def on_springs(data: ModalData, stiffness: Array) -> tuple[Array, Array]:
+    """Frequencies [Hz] and rows at the plates (modes, 8) of the body on springs, rigid ones too.
+
+    stiffness: (8, 8), rows `PLATE_LOADS`.  # report (4-20)
+    """
+    rows = np.vstack([rigid_rows(data), data.plate_rows()])
+    own = (2 * pi * np.r_[np.zeros(5), data.frequencies]) ** 2
+    squared, shapes = np.linalg.eigh(np.diag(own) + rows @ stiffness @ rows.T)
+    return np.sqrt(np.maximum(squared, 0.0)) / (2 * pi), shapes.T @ rows
+
+
+def springs_share(rows: Array, stiffness: Array) -> Array:
+    """What springs add to a mode's frequency squared [Hz^2], by its rows at the plates (..., 8).
+
+    omega_air^2 = phi^T K_air phi for unit modal mass.  # report (4-21), (4-22)
+    """
+    return np.einsum("...i,ij,...j->...", rows, stiffness, rows) / (2 * pi) ** 2
+
+
+def without_springs(frequency: Array, rows: Array, stiffness: Array) -> Array:
+    """Frequency of the free body [Hz], the mode's shape being kept.  # report (4-23)
+
+    nan where the springs hold more than the mode has: there is none of that shape without them.
+    """
+    left = np.square(frequency) - springs_share(rows, stiffness)
+    return np.sqrt(np.where(left > 0, left, np.nan))
+
+
+def free_modes(frequencies: Array, rows: Array, stiffness: Array) -> tuple[Array, Array]:
+    """Frequencies of the free body [Hz], and its modes (free, measured) in the measured ones.
+
+    (4-21) for all modes that were measured at once: springs couple the free body's modes, so that
+    their part has terms off the diagonal, which (4-22) leaves out. The lowest are the rigid ones.
+    rows: (modes, 8) at the plates for unit modal mass.
+    """
+    left = np.diag((2 * pi * np.asarray(frequencies)) ** 2) - rows @ stiffness @ rows.T
+    squared, shapes = np.linalg.eigh(left)
+    return np.sqrt(np.maximum(squared, 0.0)) / (2 * pi), shapes.T
