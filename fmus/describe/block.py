@@ -61,7 +61,10 @@ class Table:
 
 
 class Block:
-    """A building block. Subclasses state ports, parameters, and equations as expressions."""
+    """A building block. Subclasses state ports, parameters, and equations as expressions.
+
+    stands_for: the block whose ports this one has too, and whose numbers it shares.
+    """
 
     name: str
     description: str
@@ -76,6 +79,7 @@ class Block:
     terminals: Sequence[Terminal] = ()
     table: Table | None = None
     switch: str | None = None
+    stands_for: str | None = None
 
     def __init_subclass__(cls) -> None:
         states = {state.name for state in cls.states}

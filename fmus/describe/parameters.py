@@ -65,9 +65,12 @@ class ParameterSet:
     def name(self) -> str:
         return self.path.stem
 
-    def entry(self, name: str, block: str | None = None) -> Entry | None:
-        """Entry of a parameter, of the block's own table or shared; None when no file gives it."""
-        tables = (block, SHARED) if block else TABLES
+    def entry(self, name: str, *blocks: str) -> Entry | None:
+        """Entry of a parameter in the blocks' tables, the first before the next, or shared.
+
+        Without blocks in any table; None when no file gives it.
+        """
+        tables = (*blocks, SHARED) if blocks else TABLES
         found = (self.entries.get(table, {}).get(name) for table in tables)
         return next((entry for entry in found if entry), None)
 
@@ -83,7 +86,8 @@ class ParameterSet:
         return {parameter.name: self._value(block, parameter) for parameter in block.parameters}
 
     def _value(self, block: Block, parameter: Parameter) -> float:
-        entry = self.entry(parameter.name, block.name)
+        kin = (block.stands_for,) if block.stands_for else ()
+        entry = self.entry(parameter.name, block.name, *kin)
         place = f"{self.path.name}: {parameter.name} of the block {block.name!r}"
         if entry is None:
             if parameter.default is None:

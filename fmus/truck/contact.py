@@ -7,7 +7,7 @@ little; its margin is below zero where one does not. The other form holds always
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
@@ -80,35 +80,63 @@ class Rails:
     height: ca.SX
     half_spacing: ca.SX
 
-    def carried(self, lateral: ca.SX, roll: ca.SX, vertical: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """Load [N] and its moment [N.m] under forces of the elements 1, 3 and 4, (9)."""
-        return self.weight - vertical, self.moment - roll - self.height * lateral
+    def carried(self, forces: Sequence[tuple[Hung, ca.SX]]) -> tuple[ca.SX, ca.SX]:
+        """Load [N] and its moment [N.m] under the forces of what stands on the rails, (9)."""
+        load, moment = self.weight, self.moment
+        for hung, force in forces:
+            load, moment = load - hung.by_height * force, moment - hung.by_lean * force
+        return load, moment
 
-    def margin(self, lateral: ca.SX, roll: ca.SX, vertical: ca.SX) -> ca.SX:
+    def margin(self, forces: Sequence[tuple[Hung, ca.SX]]) -> ca.SX:
         """Twice the load [N] of the lighter side."""
-        load, moment = self.carried(lateral, roll, vertical)
+        load, moment = self.carried(forces)
         return load - ca.fabs(moment) / self.half_spacing
 
 
 @dataclass(frozen=True)
+class Hung:
+    """An element that stands on what is under the springs, or hangs it: its place in the truck.
+
+    Its strain falls by `by_height` [1 or 1/m] and `by_lean` [m or 1] when that rises and leans.
+    """
+
+    place: int
+    by_height: ca.SX | float
+    by_lean: ca.SX | float
+
+    def relieved(self, element: Element, height: ca.SX, lean: ca.SX) -> Element:
+        """The element when what is under the springs stands higher and leans."""
+        strain = element.strain - self.by_height * height - self.by_lean * lean
+        return replace(element, strain=strain)
+
+
+@dataclass(frozen=True)
 class Lift:
-    """Heights [m] of left and right wheels over their rails, and strains of elements 1, 3, 4."""
+    """Heights [m] of left and right wheels over their rails; how what is under the springs
+    stands: its height [m] and its lean [rad]."""
 
     left: ca.SX
     right: ca.SX
-    lateral: ca.SX
+    height: ca.SX
+    lean: ca.SX
+
+
+@dataclass(frozen=True)
+class Bolster:
+    """Height [m] and roll [rad] of the bolster, and their rates."""
+
+    z: ca.SX
     roll: ca.SX
-    vertical: ca.SX
+    vz: ca.SX
+    wx: ca.SX
 
 
-def touching_plate(
-    q: Sequence[ca.SX], qd: Sequence[ca.SX], u: Signals, p: Signals, d: Signals
-) -> Plate:
+def touching_plate(bolster: Bolster, u: Signals, p: Signals, d: Signals) -> Plate:
     """The whole plate carries, and only the plate, (8)."""
     c_roll, c_z = ca.vertsplit(d["contact_damping"])
-    down, tilt = q[5] - u["car.z"], q[2] - u["car.roll"]
-    force = p["contact_vertical.stiffness"] * down + c_z * (qd[5] - u["car.vz"])
-    moment = p["contact_roll.stiffness"] * tilt + c_roll * (qd[2] - u["car.wx"])
+    down, tilt = bolster.z - u["car.z"], bolster.roll - u["car.roll"]
+    force = p["contact_vertical.stiffness"] * down + c_z * (bolster.vz - u["car.vz"])
+    moment = p["contact_roll.stiffness"] * tilt + c_roll * (bolster.wx - u["car.wx"])
     closed = down + p["half_side_bearing_spacing"] * ca.fabs(tilt) - d["bearing_gap"]
     rim = d["plate_hold"] + force - ca.fabs(moment) / p["centre_plate_radius"]
     none = ca.SX(0)
@@ -116,9 +144,9 @@ def touching_plate(
     return Plate(force, moment, load, (none, none), rim, ca.fmin(rim, -closed))
 
 
-def plate(q: Sequence[ca.SX], qd: Sequence[ca.SX], u: Signals, p: Signals, d: Signals) -> Plate:
+def plate(bolster: Bolster, u: Signals, p: Signals, d: Signals) -> Plate:
     """The plate may rock on its rim and lift off, a side bearing close, (8), (16), (17)."""
-    touching = touching_plate(q, qd, u, p, d)
+    touching = touching_plate(bolster, u, p, d)
     radius, spacing = p["centre_plate_radius"], p["half_side_bearing_spacing"]
     force, moment = touching.force_z, touching.moment_x
     pulled = ca.fmax(ca.fabs(moment) / radius - (d["plate_hold"] + force), 0)
@@ -126,8 +154,8 @@ def plate(q: Sequence[ca.SX], qd: Sequence[ca.SX], u: Signals, p: Signals, d: Si
     moment = clip(moment, radius * (d["plate_hold"] + force))
 
     def bearing(place: ca.SX) -> ca.SX:
-        overlap = q[5] - u["car.z"] + place * (q[2] - u["car.roll"]) - d["bearing_gap"]
-        closing = qd[5] - u["car.vz"] + place * (qd[2] - u["car.wx"])
+        overlap = overlaps(bolster, place, u) - d["bearing_gap"]
+        closing = bolster.vz - u["car.vz"] + place * (bolster.wx - u["car.wx"])
         damped = ca.fmax(1 + p["side_bearing_damping"] * closing, 0)
         return p["side_bearing_stiffness"] * ca.fmax(overlap, 0) * damped
 
@@ -142,37 +170,56 @@ def plate(q: Sequence[ca.SX], qd: Sequence[ca.SX], u: Signals, p: Signals, d: Si
     )
 
 
-def lift(lateral: Element, roll: Element, vertical: Element, rails: Rails) -> Lift:
+def overlaps(bolster: Bolster, place: ca.SX, u: Signals) -> ca.SX:
+    """How far [m] the bolster has come up to the carbody at y = `place` [m]."""
+    return bolster.z - u["car.z"] + place * (bolster.roll - u["car.roll"])
+
+
+def lift(hung: Sequence[tuple[Hung, Element]], rails: Rails) -> Lift:
     """How far the wheels of a side, or of both, stand above rails that cannot pull, (18).
 
     A side that would pull lifts until it carries nothing. It turns what is under the springs about
     the other rail, which strains the elements less.
     """
-    forces = (element.force(element.strain) for element in (lateral, roll, vertical))
-    load, moment = rails.carried(*forces)
+    load, moment = rails.carried([(h, e.force(e.strain)) for h, e in hung])
     lifts = load * rails.half_spacing < ca.fabs(moment)
     side = ca.if_else(moment < 0, 1, -1)  # of the wheels that rise: left, right
 
     turns = side / (2 * rails.half_spacing)  # lean per gap
-    tipped = [(turns, 2 * turns, roll)]
-    tipped += [(turns * rails.height, 2 * turns * rails.height, lateral)]
+    arms = [(0.5 * h.by_height + turns * h.by_lean, e) for h, e in hung]
     held = rails.weight + side * rails.moment / rails.half_spacing
-    gap = ca.if_else(lifts, _gap([(0.5, 1, vertical), *tipped], held), 0)
-    airborne = rails.weight - vertical.force(vertical.strain - 0.5 * gap) < 0
-    aloft = _gap([(1, 1, vertical)], rails.weight)
-    free = _gap(
-        [(side, side, roll), (side * rails.height, side * rails.height, lateral)],
-        side * rails.moment,
-    )
-    height = ca.if_else(airborne, aloft, 0.5 * gap)
-    lean = ca.if_else(airborne, side * free, turns * gap)
+    gap = ca.if_else(lifts, _gap([(arm, 2 * arm, e) for arm, e in arms], held), 0)
+    tipped = [
+        (h, e.force(e.strain - arm * gap)) for (h, _), (arm, e) in zip(hung, arms, strict=True)
+    ]
+    airborne = rails.carried(tipped)[0] < 0
+
+    def risen(lean: ca.SX) -> ca.SX:
+        """Height at which the springs carry what hangs from them."""
+        parts = [(h.by_height, h.relieved(e, ca.SX(0), lean)) for h, e in hung if _is(h.by_height)]
+        return _gap([(arm, arm, e) for arm, e in parts], rails.weight)
+
+    def leaned(height: ca.SX) -> ca.SX:
+        """Lean at which nothing turns what hangs."""
+        parts = [
+            (side * h.by_lean, h.relieved(e, height, ca.SX(0))) for h, e in hung if _is(h.by_lean)
+        ]
+        return side * _gap([(arm, arm, e) for arm, e in parts], side * rails.moment)
+
+    # Springs that feel both height and lean, as a truck of joints has: one sweep, the load exact.
+    free = leaned(risen(turns * gap))
+    height = ca.if_else(airborne, risen(free), 0.5 * gap)
+    lean = ca.if_else(airborne, free, turns * gap)
     return Lift(
         left=ca.if_else(airborne, height + rails.half_spacing * lean, ca.fmax(side, 0) * gap),
         right=ca.if_else(airborne, height - rails.half_spacing * lean, ca.fmax(-side, 0) * gap),
-        lateral=lateral.strain - rails.height * lean,
-        roll=roll.strain - lean,
-        vertical=vertical.strain - height,
+        height=height,
+        lean=lean,
     )
+
+
+def _is(factor: ca.SX | float) -> bool:
+    return not ca.SX(factor).is_zero()
 
 
 def _gap(parts: Sequence[tuple[ca.SX | float, ca.SX | float, Element]], carried: ca.SX) -> ca.SX:

@@ -2,29 +2,54 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
 
 import casadi as ca
 
 from ..describe.block import Signals
 from ..describe.elements import slip_after, spring_force
-from .contact import Element, Lift, Plate, Rails, lift, plate, touching_plate
-from .ports import AXLES, ELEMENTS, SIDES
+from .contact import Bolster, Element, Hung, Lift, Plate, Rails, lift, plate, touching_plate
+from .ports import AXLES, SIDES
 
 PLATE_ELEMENTS = (0, 1)
 """Places of the elements whose friction is the centre plate's: lateral and yaw."""
-
-TIPPING = (0, 2, 3)
-"""Places of the elements that load the rails: centre plate lateral, bolster roll, vertical."""
-
-WEDGE_ELEMENTS = (2, 3, 4)
-"""Places of the elements whose friction is the wedges': bolster roll, vertical, lateral."""
 
 CONSTANTS = ("stiffness", "stop_stiffness", "free_play", "friction_stiffness")
 """Parameters of each element that hold as they are."""
 
 Motion = list[ca.SX]
-"""The six coordinates, or their rates."""
+"""One number for each coordinate, or each element."""
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """Which elements hold a truck together, those of the centre plate (lateral, yaw) first.
+
+    elements: the name that each one's parameters begin with. wedges: where a wedge rubs, the place
+    of the vertical element whose springs load it. groups: how many such elements share the load.
+    """
+
+    elements: tuple[str, ...]
+    wedges: Mapping[int, int]
+    groups: int
+
+
+class Described(Protocol):
+    """What a truck says of its elements."""
+
+    @property
+    def assembly(self) -> Assembly: ...
+
+    def strains(self, q: Motion, u: Signals, p: Signals) -> Motion:
+        """Strains of the elements on wheels that stand on the rails."""
+
+    def hung(self, p: Signals) -> Sequence[Hung]:
+        """The elements that are strained against what is under the springs."""
+
+    def bolster(self, q: Motion, qd: Motion) -> Bolster:
+        """Its motion under the centre plate."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +62,7 @@ class Joints:
     plate: Plate
     rails: Rails
     lift: Lift
+    hung: Sequence[Hung]
 
     @property
     def strain(self) -> Motion:
@@ -58,7 +84,12 @@ class Joints:
     @property
     def wheels(self) -> ca.SX:
         """Twice the load [N] of the lighter side of the truck."""
-        return self.rails.margin(*map(self.total, TIPPING))
+        return self.rails.margin(self.standing)
+
+    @property
+    def standing(self) -> list[tuple[Hung, ca.SX]]:
+        """Forces [N or N.m] of the elements that load the rails."""
+        return [(hung, self.total(hung.place)) for hung in self.hung]
 
 
 def slips_after(joints: Joints, slip: Motion) -> Motion:
@@ -69,22 +100,8 @@ def slips_after(joints: Joints, slip: Motion) -> Motion:
     ]
 
 
-def strains(q: Motion, u: Signals, p: Signals) -> Motion:
-    """Strains of the six elements, (4)."""
-    heights = [u[f"axle[{k}].rail_z_{side}"] for k in AXLES for side in ("left", "right")]
-    left_1, right_1, left_2, right_2 = heights
-    left, right = left_1 + left_2, right_1 + right_2
-    return [
-        q[0] + p["half_wheelbase"] * (q[1] + q[3]) + q[4] - u["car.y"],
-        q[1] - u["car.yaw"],
-        q[2] - 0.25 * (left - right) / p["half_contact_spacing"],
-        q[5] - 0.25 * (left + right),
-        q[4],
-        q[3],
-    ]
-
-
 def joints_of(
+    truck: Described,
     q: Motion,
     qd: Motion,
     slip: Motion,
@@ -94,17 +111,22 @@ def joints_of(
     *,
     touching: bool = False,
 ) -> Joints:
-    """Forces of the six elements, (5) to (7), between contacts that all carry, or may not."""
-    strain = strains(q, u, p)
-    on_plate = (touching_plate if touching else plate)(q, qd, u, p, d)
-    # (7): a bolster that comes down adds to the load on the wedges
-    wedges = ca.fmax(1 - d["load_sensitivity"] * _spring(3, strain[3], p), 0)
+    """Forces of the elements, (5) to (7), between contacts that all carry, or may not."""
+    assembly, strain = truck.assembly, truck.strains(q, u, p)
+    on_plate = (touching_plate if touching else plate)(truck.bolster(q, qd), u, p, d)
+
+    def wedge(group: int) -> ca.SX:
+        """(7): a bolster that comes down adds to the load on the wedges."""
+        share = assembly.groups * d["load_sensitivity"]
+        return ca.fmax(1 - share * _spring(assembly.elements[group], strain[group], p), 0)
+
+    wedges = {group: wedge(group) for group in sorted({*assembly.wedges.values()})}
     # (7): the carbody's weight and what it throws on the plate, the side bearings beside it
     plates = ca.fmax(1 + d["plate_sensitivity"] * (on_plate.load - p["centre_plate_weight"]), 0)
     rubbing = p["side_bearing_friction"] * sum(on_plate.bearings)
     elements = []
-    for i, (name, e, s) in enumerate(zip(ELEMENTS, strain, slip, strict=True)):
-        scale = wedges if i in WEDGE_ELEMENTS else plates if i in PLATE_ELEMENTS else 1
+    for i, (name, e, s) in enumerate(zip(assembly.elements, strain, slip, strict=True)):
+        scale = plates if i in PLATE_ELEMENTS else wedges.get(assembly.wedges.get(i, -1), 1)
         limit, reach = p[f"{name}.friction_limit"] * scale, d["reach"][i] * scale
         if i in PLATE_ELEMENTS and not touching:
             more = rubbing * (p["half_side_bearing_spacing"] if i == 1 else 1)
@@ -119,11 +141,12 @@ def joints_of(
         height=p["centre_plate_height"],
         half_spacing=p["half_contact_spacing"],
     )  # fmt: skip
-    lifted = Lift(ca.SX(0), ca.SX(0), strain[0], strain[2], strain[3])
+    none, hung = ca.SX(0), truck.hung(p)
+    lifted = Lift(none, none, none, none)
     if not touching:
-        lifted = lift(elements[0], elements[2], elements[3], rails)
-        for i, value in zip(TIPPING, (lifted.lateral, lifted.roll, lifted.vertical), strict=True):
-            elements[i] = replace(elements[i], strain=value)
+        lifted = lift([(h, elements[h.place]) for h in hung], rails)
+        for h in hung:
+            elements[h.place] = h.relieved(elements[h.place], lifted.height, lifted.lean)
     return Joints(
         elements=elements,
         spring=[e.spring(e.strain) for e in elements],
@@ -131,11 +154,11 @@ def joints_of(
         plate=on_plate,
         rails=rails,
         lift=lifted,
+        hung=hung,
     )
 
 
-def _spring(i: int, strain: ca.SX, p: Signals) -> ca.SX:
-    """(5) of the element at this place."""
-    name = list(ELEMENTS)[i]
+def _spring(name: str, strain: ca.SX, p: Signals) -> ca.SX:
+    """(5) of the elements of this name."""
     kinds = ("stiffness", "stop_stiffness", "free_play")
     return spring_force(strain, *(p[f"{name}.{kind}"] for kind in kinds))

@@ -41,7 +41,8 @@ _STIFFNESS = {"m": "N/m", "rad": "N.m/rad"}
 _NOMINAL = {"m": 1e-2, "rad": 1e-3, "m/s": 1e-1, "rad/s": 1e-2, "N": 1e4, "N.m": 1e4}
 
 
-def _element_parameters(name: str, number: int, unit: str) -> Sequence[Parameter]:
+def element_parameters(name: str, number: int | str, unit: str) -> Sequence[Parameter]:
+    """K0, K1, Kf, f and Delta of an element; `number` is its index in their symbols."""
     title = name.replace("_", " ")
     stiffness = _STIFFNESS[unit]
 
@@ -61,13 +62,16 @@ def _element_parameters(name: str, number: int, unit: str) -> Sequence[Parameter
         parameter("friction_stiffness", stiffness, "Kf", "Stiffness of the stuck friction"),
         parameter("friction_limit", _FORCE[unit], "f", "Largest friction"),
         parameter("free_play", unit, "Delta", "Free play to the stop"),
-        Parameter(
-            f"{name}.measured_strain",
-            unit,
-            f"Largest strain that was measured, {title}",
-            symbol=f"eps_{number}",
-            minimum=0.0,
-        ),
+    )
+
+
+def _measured_strain(name: str, number: int, unit: str) -> Parameter:
+    return Parameter(
+        f"{name}.measured_strain",
+        unit,
+        f"Largest strain that was measured, {name.replace('_', ' ')}",
+        symbol=f"eps_{number}",
+        minimum=0.0,
     )
 
 
@@ -123,7 +127,10 @@ PARAMETERS = (
     *(
         parameter
         for number, (name, unit) in enumerate(ELEMENTS.items(), start=1)
-        for parameter in _element_parameters(name, number, unit)
+        for parameter in (
+            *element_parameters(name, number, unit),
+            _measured_strain(name, number, unit),
+        )
     ),
     choice(
         "centre_plate_contact",

@@ -15,7 +15,7 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
-from fmus.truck.block import GRAVITY
+from fmus.truck.three_piece import GRAVITY
 from fmus.truck.ports import ELEMENTS
 from orchestrator import InlineModel, Value, describe
 
