@@ -5,12 +5,13 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
 import platformdirs
 
-from .names import NAMES, SUFFIX
+from .names import CAR, NAMES, SUFFIX
 
 PACKAGE = Path(__file__).parent
 
@@ -31,13 +32,15 @@ def source_hash() -> str:
 def fmu_path(name: str, fmi: str = "2.0") -> Path:
     """Path of the up-to-date FMU of a block; builds the FMUs when the sources have changed.
 
-    Raises KeyError for an unknown block or version, CompileError when a build is needed and fails.
+    Those of a block that no car needs are built when they are first asked for. Raises KeyError for
+    an unknown block or version, CompileError when a build is needed and fails.
     """
     if name not in NAMES:
         raise KeyError(f"no block is called {name!r}; the blocks are {', '.join(NAMES)}")
     if fmi not in SUFFIX:
         raise KeyError(f"no FMU is made for FMI {fmi!r}; the versions are {', '.join(SUFFIX)}")
-    return folder() / f"{name}{SUFFIX[fmi]}.fmu"
+    path = folder() / f"{name}{SUFFIX[fmi]}.fmu"
+    return path if path.exists() else _built(name, path)
 
 
 @cache
@@ -49,24 +52,39 @@ def folder() -> Path:
         if _is_current(place):
             return place
     place = own if os.access(PACKAGE, os.W_OK) else places[1]
-    build_into(place)
+    build_into(place, CAR)
     return place
 
 
-def build_into(place: Path) -> None:
-    """Build all FMUs into the folder and stamp it with the hash of the sources."""
+def build_into(place: Path, names: Iterable[str] = NAMES) -> None:
+    """Build the FMUs of these blocks, and no others, into the folder; stamp it with the hash of
+    the sources."""
     from .export import build
 
     stamp = place / STAMP
     stamp.unlink(missing_ok=True)
-    build(place)
+    for old in place.glob("*.fmu"):
+        old.unlink()
+    build(place, names)
     stamp.write_text(_stamp())
+
+
+def _built(name: str, path: Path) -> Path:
+    """The FMU of a further block, built beside the others, or in the cache if that is closed."""
+    from .export import build
+
+    place = path.parent
+    if not os.access(place, os.W_OK):
+        place = platformdirs.user_cache_path("tracktrain") / source_hash()[:16]
+    if not (place / path.name).exists():
+        build(place, [name])
+    return place / path.name
 
 
 def _is_current(place: Path) -> bool:
     try:
         return (place / STAMP).read_text() == _stamp() and all(
-            (place / f"{name}{suffix}.fmu").exists() for name in NAMES for suffix in SUFFIX.values()
+            (place / f"{name}{suffix}.fmu").exists() for name in CAR for suffix in SUFFIX.values()
         )
     except OSError:
         return False

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-DOWNWARDS = ("carbody", "truck", "wheelrail", "track")
-"""Blocks in the order in which they are listed; others follow by their names."""
+CAR = ("carbody", "truck", "wheelrail", "track")
+"""Blocks that a car is made of, downwards. Further ones follow by their names: they stand in for
+these where a user asks for it, and their FMUs are built then."""
 
 _FOUND = (path.parent for path in Path(__file__).parent.glob("*/block.py"))
 _OWN = {folder.name for folder in _FOUND if (folder / "README.md").exists()}
 
-NAMES = (*(name for name in DOWNWARDS if name in _OWN), *sorted(_OWN - set(DOWNWARDS)))
+NAMES = (*(name for name in CAR if name in _OWN), *sorted(_OWN - set(CAR)))
 """The blocks: each folder here with equations, `block.py`, and the README that numbers them."""
 
 SUFFIX = {"2.0": "", "3.0": "_fmi3"}

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from fmus.catalogue import fmu_path
-from fmus.names import NAMES
+from support.blocks import EACH_BLOCK
 from support.fmu_instance import FmuInstance
 
 
@@ -25,6 +25,6 @@ def instantiate() -> Iterator[Callable[..., FmuInstance]]:
         instance.close()
 
 
-@pytest.fixture(params=NAMES)
+@pytest.fixture(params=EACH_BLOCK)
 def block_name(request: pytest.FixtureRequest) -> str:
     return request.param

@@ -132,6 +132,7 @@ def swap_option(**more: Any) -> Option:
         type=Assignment(instances, "instance=path.fmu"),
         multiple=True,
         metavar="INSTANCE=FMU",
-        help="Put another FMU in an instance's place. Repeatable.",
+        help="Put another FMU in an instance's place: a file, or the name of a block, such as "
+        "truck_joints. Repeatable.",
         **more,
     )

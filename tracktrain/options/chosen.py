@@ -10,6 +10,9 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
+from fmus.catalogue import fmu_path
+from fmus.names import NAMES
+
 from ..car.hopper import REPORT_SPEED, instances
 from ..errors import TracktrainError
 from .car import car_option, seed_option, set_option, speed_option, swap_option, track_option
@@ -118,8 +121,8 @@ def chosen_car(shape: Shape) -> System:
     system = hopper.hopper_car(shape.car, shape.speed, shape.track, shape.seed)
     notes = []
     port_maps = _port_maps(shape)
-    for instance, _, path in shape.swaps:
-        system, said = changes.swapped(system, instance, Path(path), port_maps.get(instance))
+    for instance, _, given in shape.swaps:
+        system, said = changes.swapped(system, instance, _fmu(given), port_maps.get(instance))
         notes += said
     for instance, coordinate, value in shape.initials:
         system = changes.displaced(system, instance, coordinate, value)
@@ -152,8 +155,9 @@ def chosen_file(
         system = changes.assigned(system, instance, name, value)
     port_maps = _port_maps(shape)
     for instance, _, fmu in shape.swaps:
-        ports, _ = changes.seen(system, instance, Path(fmu), port_maps.get(instance))
-        system = system.with_fmu(instance, Path(fmu), ports)
+        path = _fmu(fmu)
+        ports, _ = changes.seen(system, instance, path, port_maps.get(instance))
+        system = system.with_fmu(instance, path, ports)
         if ports is not None and ports.rates:
             note = f"{fmu} as {instance}: {changes.differentiated(ports)}"
             system = replace(system, notes=(*system.notes, note))
@@ -162,6 +166,12 @@ def chosen_file(
     if shape.duration is None and system.experiment.stop is None:
         raise TracktrainError(f"'{path}' does not say how long to run; give --duration")
     return _timed(system, shape)
+
+
+def _fmu(given: str) -> Path:
+    """The file of this name, or else the FMU of the block that is called so."""
+    path = Path(given)
+    return fmu_path(given) if given in NAMES and not path.exists() else path
 
 
 def refuse_options(ctx: click.Context, names: Iterable[str], reason: str) -> None:

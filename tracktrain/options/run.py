@@ -141,8 +141,7 @@ def isolated(asked: Sequence[str], system: System) -> tuple[str, ...]:
 
 def _is_ours(fmu: Path) -> bool:
     """Whether an FMU is the catalogue's, also as a copy elsewhere."""
-    from fmus.catalogue import fmu_path
-    from fmus.names import NAMES
+    from fmus.catalogue import folder
     from orchestrator import describe
 
-    return describe(fmu).sha256 in {describe(fmu_path(name)).sha256 for name in NAMES}
+    return describe(fmu).sha256 in {describe(own).sha256 for own in folder().glob("*.fmu")}

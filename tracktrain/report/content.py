@@ -102,8 +102,8 @@ def _moves(dataset: xr.Dataset) -> bool:
 def _entry(block: str | None, name: str, value: object) -> tuple[Entry | None, bool]:
     """The published number that a value is, by the parameter set that has it; or that none is."""
     known = False
-    for given in PARAMETER_SETS if block else ():
-        entry = parameter_set(given).entry(name, block)
+    for given in PARAMETER_SETS:
+        entry = parameter_set(given).entry(name, block) if block else None
         if entry is None or block is None:
             continue
         known = True

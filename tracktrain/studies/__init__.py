@@ -15,6 +15,7 @@ STUDIES = {
     "sensitivity": "What drives the hunting: derivatives of growth and critical speed",
     "carbody-survey": "Carbody on air springs: modal survey (Table 4-1, Figures 4-8, 4-9)",
     "truck-hysteresis": "Truck on a rig: loops of every element (Figure 4-20)",
+    "truck-joints": "Truck of five bodies and joints beside its analog (Table 4-5, Figure 4-14)",
     "identify": "Analog parameters of a truck element from a measured loop (Table 4-5)",
     "wheelset": "Wheelset alone: Klingel's wave, critical speed of a restrained one",
     "track": "Track alone: histogram, spectrum, realisation (Figures 5-3 to 5-5)",

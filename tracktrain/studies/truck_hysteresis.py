@@ -15,8 +15,8 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
-from fmus.truck.three_piece import GRAVITY
 from fmus.truck.ports import ELEMENTS
+from fmus.truck.three_piece import GRAVITY
 from orchestrator import InlineModel, Value, describe
 
 from ..car.hopper import parameters_of

@@ -15,7 +15,7 @@ from fmpy.model_description import read_build_description
 
 from fmus.catalogue import fmu_path
 from fmus.export.compiler import LANGUAGE
-from fmus.names import NAMES
+from fmus.names import CAR
 from support.fmi3_instance import INSTANCE
 from support.functions import FUNCTIONS
 from support.hosted import HOST, Hosted, step
@@ -101,7 +101,7 @@ def test_the_hosts_compiler_finds_nothing_and_gives_the_same_bits(block_name, fm
     assert np.array_equal(outputs(packed(folder), fmi), outputs(fmu_path(block_name, fmi), fmi))
 
 
-LINKED = [*((block, "2.0") for block in NAMES), ("truck", "3.0")]
+LINKED = [*((block, "2.0") for block in CAR), ("truck", "3.0")]
 
 
 def test_several_fmus_are_linked_into_one_program_and_give_the_same_bits(tmp_path):

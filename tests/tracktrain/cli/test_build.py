@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from fmus.export import CompileError, compiler
 from fmus.export.compiler import TARGETS, host_target
-from fmus.names import NAMES
+from fmus.names import CAR
 from tracktrain.cli.main import main
 
 builder = importlib.import_module("fmus.export.build")  # whose name the function `build` hides
@@ -52,7 +52,7 @@ def test_every_block_is_built_for_the_targets_that_are_asked_for(
     without_compiling(monkeypatch)
     result = CliRunner().invoke(main, ["build", "--out", str(tmp_path), *arguments])
     assert result.exit_code == 0, result.stderr
-    for name in NAMES:
+    for name in CAR:
         assert platforms(tmp_path / f"{name}.fmu") == expected
         assert f"{name}.fmu  " in result.stdout
 
@@ -65,7 +65,7 @@ def test_python_flavor_is_written_beside_the_native_one(
     result = CliRunner().invoke(main, ["build", "--out", str(tmp_path), *both])
     assert result.exit_code == 0, result.stderr
     assert {path.stem for path in tmp_path.iterdir()} == {
-        f"{name}{suffix}" for name in NAMES for suffix in ("", "_fmi3", "_python")
+        f"{name}{suffix}" for name in CAR for suffix in ("", "_fmi3", "_python")
     }
     assert platforms(tmp_path / "truck_python.fmu") == {host_target().folder("2.0")}
 
@@ -85,7 +85,7 @@ def test_every_block_is_built_for_the_versions_that_are_asked_for(
     without_compiling(monkeypatch)
     result = CliRunner().invoke(main, ["build", "--out", str(tmp_path), *arguments])
     assert result.exit_code == 0, result.stderr
-    expected = {f"{name}{suffix}.fmu" for name in NAMES for suffix in suffixes}
+    expected = {f"{name}{suffix}.fmu" for name in CAR for suffix in suffixes}
     assert {path.name for path in tmp_path.iterdir()} == expected
     assert all(f"{name}  " in result.stdout for name in expected)
     if "_fmi3" in suffixes:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from fmus.names import FMI_VERSIONS
+from fmus.names import CAR, FMI_VERSIONS, NAMES
 
 from ...options.types import Name
 from ...terminal import writable
@@ -16,11 +16,13 @@ from ...terminal import writable
     epilog="""\b
 Examples:
   tracktrain build --out my-fmus
+  tracktrain build truck_joints
   tracktrain build --target all
   tracktrain build --target host --target windows-x86_64
   tracktrain build --fmi 3.0
   tracktrain build --flavor python"""
 )
+@click.argument("blocks", nargs=-1, type=Name("block", NAMES), metavar="[BLOCK]...")
 @click.option(
     "--target",
     "targets",
@@ -55,22 +57,27 @@ Examples:
     help="Folder to write to.",
 )
 def command(
-    targets: tuple[str, ...], versions: tuple[str, ...], flavors: tuple[str, ...], out: Path
+    blocks: tuple[str, ...],
+    targets: tuple[str, ...],
+    versions: tuple[str, ...],
+    flavors: tuple[str, ...],
+    out: Path,
 ) -> None:
     """Write carbody.fmu, truck.fmu, wheelrail.fmu and track.fmu, and carbody_fmi3.fmu and so on.
+
+    With BLOCKs only these; truck_joints, a truck of bodies and joints, is one more.
 
     The first build for Windows compiles the C runtime too, which takes about a minute. The Python
     flavor writes carbody_python.fmu and so on, which need Python with casadi and numpy.
     """
-    from fmus import BLOCKS
     from fmus.export import build as build_native
     from fmus.export.python import build_python
 
     folder = writable(out)
     paths: list[Path] = []
     if "native" in flavors:
-        paths += build_native(folder, None, targets, versions).values()
+        paths += build_native(folder, blocks or CAR, targets, versions).values()
     if "python" in flavors:
-        paths += [build_python(name, folder, targets) for name in BLOCKS]
+        paths += [build_python(name, folder, targets) for name in blocks or CAR]
     for path in paths:
         click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from fmus.names import NAMES
+from fmus.names import CAR
 
 from ...car.hopper import HOPPER
 from ...errors import TracktrainError
@@ -24,7 +24,7 @@ Examples:
   tracktrain new wheelrail my_creep
   tracktrain new truck my_truck --out models"""
 )
-@click.argument("block", type=Name("block", NAMES))
+@click.argument("block", type=Name("block", CAR))
 @click.argument("name")
 @click.option(
     "--out",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 import orchestrator
-from fmus.names import NAMES
+from fmus.names import CAR
 
 from ....options.types import Name
 from ....terminal import plain_console, plain_grid
@@ -30,7 +30,7 @@ Examples:
 @click.option(
     "--as",
     "block",
-    type=Name("block", NAMES),
+    type=Name("block", CAR),
     help="Block of the hopper car that it is to replace; needed.",
 )
 @click.option(
@@ -48,7 +48,7 @@ def command(ctx: click.Context, file: Path, block: str | None, map_file: Path | 
     The exit code is 0 if it can, 1 if it cannot, and 2 if there is nothing to check.
     """
     if block is None:
-        raise click.UsageError(f"--as is missing; choose one of: {', '.join(NAMES)}")
+        raise click.UsageError(f"--as is missing; choose one of: {', '.join(CAR)}")
     from ....car.stand_in import compare
 
     ports = None if map_file is None else orchestrator.read_port_map(map_file)

@@ -1,0 +1,5 @@
+"""The truck of joints: five rigid bodies, whose reduction to six shapes the truck block is."""
+
+from .block import TruckJoints
+
+__all__ = ["TruckJoints"]

@@ -1,0 +1,199 @@
+"""From the joints to the analog: what six deflection shapes see of a truck of bodies and joints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import casadi as ca
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.figure import Figure
+
+from fmus.catalogue import fmu_path
+from fmus.truck.mass import mass_matrix
+from fmus.truck.ports import ELEMENTS
+from fmus.truck_joints.bodies import inertias
+from fmus.truck_joints.reduction import KINDS, analog, shapes
+
+from ..car.hopper import parameters_of
+from ..options.car import car_option
+from ..plots import BLUE, RED, STYLE, conversion
+from ..scales import INCH, POUND_FORCE
+from ..terminal import Progress, unseen
+from .common.command import study_command
+from .common.outcome import Outcome
+from .truck_hysteresis import truck_hysteresis
+
+Values = Mapping[str, float]
+
+SYMBOLS = dict(zip(KINDS, ("K0", "K1", "Kf", "f", "Delta"), strict=True))
+NO_STOP = 100.0
+"""A free play [m or rad] beyond which there is no stop."""
+
+NEVER = float("inf")
+ROUND = 2 / 3
+"""Lever of the friction of a plate under even pressure, over its radius."""
+
+
+def truck_joints(car: str = "loaded", progress: Progress = unseen) -> Outcome:
+    """The truck of joints beside its analog of six shapes, report sections 4.2.2 and 4.2.3.
+
+    Which parameters of Table 4-5 come out of the joints, which joint values two of its rows ask
+    for that no joint has both of, and each shape's hysteresis on the rig (Figures 4-16, 4-17,
+    4-20), at 100 kip and 2 s a cycle.
+    """
+    parameters = parameters_of(car)
+    six, joints = parameters["truck"], parameters["truck_joints"]
+    loops = []
+    for place, fmu in enumerate((None, fmu_path("truck_joints"))):
+        found = truck_hysteresis(
+            car, loads=(100.0,), periods=(2.0,), fmu=fmu,
+            progress=lambda done, start=place: progress((start + done) / 2),
+        )  # fmt: skip
+        loops.append(found.dataset.isel(load=0, period=0))
+    dataset = xr.concat(loops, pd.Index(["analog", "joints"], name="truck"))
+    return Outcome(
+        title=f"Truck of joints and its analog, {car}",
+        dataset=dataset,
+        tables={
+            "analog": _analog(six, joints),
+            "one_joint_two_rows": _demands(six, joints),
+            "together": _together(six),
+        },
+        pictures={"figure_4_20": _figure(dataset)},
+        notes=[
+            f"Phi^T M Phi of the five bodies and the mass matrix of the truck block differ by "
+            f"{_mass_difference(joints):.1e} of its largest element, (4-29) to (4-31)",
+            "warp: four adapters and two bolster ends turn alike, and only their sum shows; here "
+            "each has a sixth",
+            "together: friction of one coil group that slides alone, as when one wheel runs over "
+            "a dip. The analog's elements do not know of each other, the joints do",
+        ],
+    )
+
+
+command = study_command(
+    "truck-joints",
+    car_option(),
+    epilog="""\b
+Examples:
+  tracktrain study truck-joints""",
+)(truck_joints)
+
+
+def _units(unit: str) -> dict[str, tuple[str, float]]:
+    """Report's unit of each kind of parameter, and its size in SI."""
+    if unit == "m":
+        stiffness, force, play = ("lb/in", POUND_FORCE / INCH), ("lb", POUND_FORCE), ("in", INCH)
+    else:
+        moment = POUND_FORCE * INCH
+        stiffness, force, play = ("lb.in/rad", moment), ("lb.in", moment), ("rad", 1.0)
+    return {**dict.fromkeys(KINDS[:3], stiffness), "friction_limit": force, "free_play": play}
+
+
+def _analog(six: Values, joints: Values) -> pd.DataFrame:
+    """Table 4-5 and what the joints give, in its units."""
+    rows = []
+    for name, own in analog(joints).items():
+        for kind, (unit, size) in _units(ELEMENTS[name]).items():
+            printed, given = six[f"{name}.{kind}"], own[kind]
+            if kind == "free_play" and printed > NO_STOP:
+                continue
+            if printed or given:
+                rows.append(
+                    {
+                        "element": name.replace("_", " "),
+                        "parameter": f"{SYMBOLS[kind]} [{unit}]",
+                        "Table 4-5": printed / size,
+                        "joints": given / size,
+                        "joints over table": given / printed if printed else NEVER,
+                    }
+                )
+    return pd.DataFrame(rows).set_index("element")
+
+
+def _demands(six: Values, joints: Values) -> pd.DataFrame:
+    """What two rows of Table 4-5 ask of the same part."""
+    arm, radius = joints["half_side_frame_spacing"], joints["centre_plate_radius"]
+    plate, inch = joints["centre_plate_lateral.friction_limit"], INCH
+    rows = []
+    for kind, power in (("stiffness", 2), ("friction_stiffness", 2), ("friction_limit", 1)):
+        unit, size = _units("m")[kind]
+        rows.append(
+            (
+                f"one of two coil groups at 39 in: {SYMBOLS[kind]} [{unit}]",
+                six[f"bolster_vertical.{kind}"] / 2 / size,
+                six[f"bolster_roll.{kind}"] / (2 * arm**power) / size,
+            )
+        )
+    lever = six["centre_plate_yaw.friction_limit"] / plate
+    rows.append(("lever of the centre plate's friction [in]", ROUND * radius / inch, lever / inch))
+    friction = joints["adapter_lateral.friction_limit"]
+    rows.append(
+        (
+            "lever of an adapter's friction, if warp were theirs alone [in]",
+            NEVER,
+            six["warp.friction_limit"] / (4 * friction) / inch,
+        )
+    )
+    columns = ("part", "by the first row", "by the second")
+    table = pd.DataFrame(rows, columns=columns).set_index("part")
+    table["second over first"] = table["by the second"] / table["by the first row"]
+    table.insert(0, "rows", ["vertical, roll"] * 3 + ["plate of 7 in, yaw", "none, warp"])
+    return table.replace(NEVER, np.nan)
+
+
+def _together(six: Values) -> pd.DataFrame:
+    """Friction in vertical and roll while one coil group slides and the other stands."""
+    limit, moment = (six[f"bolster_{name}.friction_limit"] for name in ("vertical", "roll"))
+    force, lever = limit / POUND_FORCE, moment / POUND_FORCE / INCH
+    return pd.DataFrame(
+        {
+            "truck": ["analog", "joints"],
+            "vertical [lb]": [force, force / 2],
+            "roll [lb.in]": [lever, lever / 2],
+        }
+    ).set_index("truck")
+
+
+def _mass_difference(joints: Values) -> float:
+    numbers = {name: ca.SX(value) for name, value in joints.items()}
+    phi, mass, block = (
+        np.array(ca.evalf(ca.densify(ca.SX(value))))
+        for value in (
+            shapes(numbers),
+            ca.diag(ca.vertcat(*inertias(numbers))),
+            mass_matrix(numbers),
+        )
+    )
+    return float(np.abs(phi.T @ mass @ phi - block).max() / np.abs(block).max())
+
+
+@mpl.rc_context(STYLE)
+def _figure(dataset: xr.Dataset) -> Figure:
+    """Loops of both trucks in each shape."""
+    figure = Figure(figsize=(10.0, 6.8), layout="constrained")
+    for axes, (name, unit) in zip(figure.subplots(2, 3).ravel(), ELEMENTS.items(), strict=True):
+        for truck, colour, width in (("analog", BLUE, 2.6), ("joints", RED, 1.2)):
+            own = dataset.sel(truck=truck)
+            strain, force = (_closed(own[f"{name}.{what}"].values) for what in ("strain", "force"))
+            axes.plot(1e3 * strain, 1e-3 * force, color=colour, linewidth=width, label=truck)
+        axes.set_title(name.replace("_", " "))
+        lengths, forces, factor, report = (
+            ("mm", "kN", 1e3 / POUND_FORCE, "lb")
+            if unit == "m"
+            else ("mrad", "kN.m", 1e3 / POUND_FORCE / INCH, "lb.in")
+        )
+        axes.set_xlabel(f"deflection [{lengths}]")
+        axes.set_ylabel(f"force [{forces}]")
+        axes.secondary_yaxis("right", functions=conversion(factor)).set_ylabel(f"[{report}]")
+    figure.axes[0].legend(frameon=False, fontsize=8)
+    figure.suptitle("Hysteresis of each deflection shape: joints and analog", ha="left", x=0.01)
+    return figure
+
+
+def _closed(values: np.ndarray) -> np.ndarray:
+    """A cycle about its middle, with its first point again at its end."""
+    return np.append(values, values[0]) - (values.max() + values.min()) / 2
