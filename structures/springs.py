@@ -3,13 +3,34 @@
 from __future__ import annotations
 
 from math import pi
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from fmus.carbody.modal_data import PLATE_LOADS, ModalData
 
 Array = NDArray[np.float64]
+
+
+RIGID = ("lateral", "bounce", "roll", "yaw", "pitch")
+"""The rigid body's modes, in the order of their rows."""
+
+
+class OnSprings(NamedTuple):
+    """coordinates: names of the free body's modes. frequencies: (modes,) [Hz], growing.
+
+    shapes: (modes, coordinates). rows: (modes, 8) at the plates, for unit modal mass.
+    """
+
+    coordinates: tuple[str, ...]
+    frequencies: Array
+    shapes: Array
+    rows: Array
+
+    def coordinate(self, mode: int) -> str:
+        """The free body's mode that a mode is made of most."""
+        return self.coordinates[int(np.abs(self.shapes[mode]).argmax())]
 
 
 def under_plates(vertical: float, roll: float) -> Array:
@@ -22,7 +43,7 @@ def under_plates(vertical: float, roll: float) -> Array:
 
 
 def rigid_rows(data: ModalData) -> Array:
-    """What lateral, vertical, roll, yaw and pitch of unit modal mass move at the plates, (5, 8)."""
+    """What the modes `RIGID` of unit modal mass move at the plates, (5, 8)."""
     body = data.body
     masses = (body.mass, body.mass, body.roll_inertia, body.yaw_inertia, body.pitch_inertia)
     rows = np.zeros((5, 8))
@@ -39,15 +60,18 @@ def rigid_rows(data: ModalData) -> Array:
     return rows / np.sqrt(masses)[:, None]
 
 
-def on_springs(data: ModalData, stiffness: Array) -> tuple[Array, Array]:
-    """Frequencies [Hz] and rows at the plates (modes, 8) of the body on springs, rigid ones too.
+def on_springs(data: ModalData, stiffness: Array) -> OnSprings:
+    """The modes of the body on springs, rigid ones among them.
 
     stiffness: (8, 8), rows `PLATE_LOADS`.  # report (4-20)
     """
     rows = np.vstack([rigid_rows(data), data.plate_rows()])
-    own = (2 * pi * np.r_[np.zeros(5), data.frequencies]) ** 2
+    own = (2 * pi * np.r_[np.zeros(len(RIGID)), data.frequencies]) ** 2
     squared, shapes = np.linalg.eigh(np.diag(own) + rows @ stiffness @ rows.T)
-    return np.sqrt(np.maximum(squared, 0.0)) / (2 * pi), shapes.T @ rows
+    frequencies = np.sqrt(np.maximum(squared, 0.0)) / (2 * pi)
+    return OnSprings(
+        (*RIGID, *(m.name for m in data.modes)), frequencies, shapes.T, shapes.T @ rows
+    )
 
 
 def springs_share(rows: Array, stiffness: Array) -> Array:
@@ -58,7 +82,7 @@ def springs_share(rows: Array, stiffness: Array) -> Array:
     return np.einsum("...i,ij,...j->...", rows, stiffness, rows) / (2 * pi) ** 2
 
 
-def without_springs(frequency: Array, rows: Array, stiffness: Array) -> Array:
+def without_springs(frequency: ArrayLike, rows: Array, stiffness: Array) -> Array:
     """Frequency of the free body [Hz], the mode's shape being kept.  # report (4-23)
 
     nan where the springs hold more than the mode has: there is none of that shape without them.
