@@ -17,8 +17,6 @@ from support.fmu_instance import FmuInstance
 from support.tools import need
 from tracktrain.car.hopper import hopper_car
 
-pytestmark = pytest.mark.xdist_group("engines")
-
 FINER = (2.5e-4, 1.25e-4)
 MILLISECONDS = 1000
 WHOLE_STEP = 2.0**-9

@@ -18,8 +18,6 @@ from support.engines import differences, run_archive, unavailable
 from support.tools import need
 from tracktrain.car.hopper import hopper_car
 
-pytestmark = pytest.mark.xdist_group("engines")
-
 STEPS = (2.5e-4, 1.25e-4)
 MILLISECONDS = 300
 WATCHED = ("wheelset_11.y_rel", "truck_rear.axle[2].yaw", "carbody.front.y", "carbody.cg.ay")

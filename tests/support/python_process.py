@@ -29,7 +29,7 @@ def run_script(script: str, folder: Path, hidden: tuple[str, ...] = (), path: st
         env={**os.environ, "PYTHONPATH": path},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=300,
     )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout

@@ -16,7 +16,6 @@ from reference.monolithic_car import MonolithicCar
 from reference.recurrence import CutCar, Scheme, growth_rate, leading_exponent
 from tracktrain.car.hopper import hopper_car
 
-pytestmark = pytest.mark.xdist_group("coupled_car")
 DATA = {"loaded": LOADED, "empty": EMPTY, "report-linear": REPORT_LINEAR}
 YAW = 0.005  # of the front truck [degree]
 

@@ -16,7 +16,6 @@ from reference.monolithic_car import MonolithicCar
 from reference.one_sided import BEARINGS, EDGES, RELIEF
 from tracktrain.car.hopper import hopper_car
 
-pytestmark = pytest.mark.xdist_group("coupled_car")
 DATA = {"loaded": LOADED, "empty": EMPTY}
 ROUGH = {
     # cross-level times four at the speed of resonance, and the empty car at 60 mph

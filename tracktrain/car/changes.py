@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -120,6 +120,22 @@ def differentiated(ports: PortMap) -> str:
         "differences of second order over the macro steps, wrong by a third of the step squared "
         "times the third derivative; 0 at the start"
     )
+
+
+def changed(system: System, changes: Mapping[str, float]) -> System:
+    """The car with other parameters [SI] in all instances that have them.
+
+    changes: values by "block.parameter", or by "parameter" for every block with such a one.
+    """
+    blocks = layout_of(system).blocks
+    for name, value in changes.items():
+        block, _, parameter = name.partition(".")
+        if block not in blocks.values():
+            block, parameter = "", name
+        for instance, own in blocks.items():
+            if block == own or (not block and name in system.components[instance].parameters):
+                system = system.with_value(f"{instance}.{parameter}", value)
+    return system
 
 
 def displaced(system: System, instance: str, coordinate: str, value: str) -> System:

@@ -103,8 +103,20 @@ def follow(linear: LinearCar, speeds: Array, progress: Progress = unseen) -> lis
     ]
 
 
+def growing(linear: LinearCar, speed: float) -> Critical | None:
+    """The mode that grows fastest at a speed [m/s]; None where all decay."""
+    roots, shapes = linear.modes(speed)
+    most = int(roots.real.argmax())
+    if roots[most].real <= 0.0:
+        return None
+    return Critical(speed, complex(roots[most]), name_of(linear, shapes[:, most]))
+
+
 def critical_speeds(linear: LinearCar, speeds: Array) -> list[Critical]:
-    """Where a mode becomes unstable, between the lowest and the highest of the speeds [m/s]."""
+    """Where a mode becomes unstable, between the lowest and the highest of the speeds [m/s].
+
+    A car that is unstable at the lowest speed already has its critical speed below: see `growing`.
+    """
     levels = [linear.growth(speed) for speed in speeds]
     found = []
     for low, high, before, after in zip(speeds, speeds[1:], levels, levels[1:], strict=False):
@@ -115,3 +127,15 @@ def critical_speeds(linear: LinearCar, speeds: Array) -> list[Critical]:
             mode = name_of(linear, shapes[:, most])
             found.append(Critical(float(speed), complex(roots[most]), mode))
     return found
+
+
+def without_critical_speed(linear: LinearCar, speeds: Array) -> str:
+    """Why no critical speed was found between the lowest and the highest of the speeds [m/s]."""
+    low, high = (f"{speed / FOOT:.0f}" for speed in (speeds[0], speeds[-1]))
+    now = growing(linear, float(speeds[0]))
+    if now is None:
+        return f"no mode becomes unstable between {low} and {high} ft/s"
+    return (
+        f"the mode `{now.mode}` ({now.root.imag / (2 * pi):.2f} Hz) grows by "
+        f"{now.root.real:.3g} 1/s at {low} ft/s already: the critical speed is below that"
+    )

@@ -12,7 +12,14 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from ..car.linear import LinearCar, Parameter
-from ..car.modes import SPEEDS, Critical, critical_speeds, linear_car, name_of
+from ..car.modes import (
+    SPEEDS,
+    Critical,
+    critical_speeds,
+    linear_car,
+    name_of,
+    without_critical_speed,
+)
 from ..options.car import car_option, friction_option, speed_option
 from ..plots import BLUE, INK, RED, STYLE
 from ..scales import FOOT, MILE_PER_HOUR
@@ -56,7 +63,7 @@ def sensitivity(
     )
     notes = []
     if not critical:
-        notes.append("no mode becomes unstable up to 140 ft/s: there is no critical speed")
+        notes.append(without_critical_speed(linear, grid))
     else:
         speed_found = critical[0].speed
         notes.append(

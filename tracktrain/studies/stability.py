@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from orchestrator import System, describe, simulate
 
-from ..car.changes import swapped
+from ..car.changes import changed, swapped
 from ..car.hopper import hopper_car, layout_of
 from ..car.linear import LinearCar
 from ..car.modes import (
@@ -30,6 +30,7 @@ from ..car.modes import (
     follow,
     linear_car,
     name_of,
+    without_critical_speed,
 )
 from ..car.shapes import Line, animate_mode, draw_mode, wire_frame
 from ..errors import TracktrainError
@@ -106,7 +107,7 @@ def stability(
         tables=tables,
         pictures=pictures,
         files=files,
-        notes=_notes(critical, grid, friction, bool(ring_down.speeds)),
+        notes=_notes(linear, critical, grid, bool(ring_down.speeds), friction),
     )
 
 
@@ -192,10 +193,7 @@ def _ring_down_table(
     system = hopper_car(linear.car, track="perfect")
     for instance, path in ring_down.swaps.items():
         system, _ = swapped(system, instance, path)
-    for name, value in changes.items():
-        for instance, block in linear.layout.blocks.items():
-            if name in system.components[instance].parameters or name.startswith(f"{block}."):
-                system = system.with_value(f"{instance}.{name.removeprefix(block + '.')}", value)
+    system = changed(system, changes)
     rows = []
     for speed in ring_down.speeds:
         found = identified(system, speed)
@@ -266,14 +264,11 @@ def _figure(branches: Sequence[Branch], speeds: np.ndarray, friction: str) -> Fi
 
 
 def _notes(
-    critical: Sequence[Critical], speeds: np.ndarray, friction: str, rung: bool
+    linear: LinearCar, critical: Sequence[Critical], speeds: np.ndarray, rung: bool, friction: str
 ) -> list[str]:
     notes = ["a ring-down is of small motion, in which friction is stuck"] if rung else []
     if not critical:
-        notes.append(
-            f"no mode becomes unstable between {speeds[0] / FOOT:.0f} and "
-            f"{speeds[-1] / FOOT:.0f} ft/s"
-        )
+        notes.append(without_critical_speed(linear, speeds))
     if friction == "damper":
         notes.append(
             "the dampers of (7-7) are made for the free play of elements with a stop, for four "

@@ -176,7 +176,7 @@ def meet(crew: Crew, place: int, report: Ints) -> bool:
     return crew.stopped[place] == 0
 
 
-@register_jitable(inline="always")
+@register_jitable(forceinline=True)
 def complete(
     crew: Crew, calls: Calls, refresh: Refresh, record: Record, k: int, report: Ints
 ) -> bool:

@@ -171,7 +171,7 @@ def carry_on(calls: Calls, slave: int, record: Record, k: int, degree: int, step
         record.rows[row, column] = record.rows[known, column] + time * (speed + 0.5 * time * bend)
 
 
-@register_jitable(inline="always")
+@register_jitable(forceinline=True)
 def ask_tangents(
     calls: Calls,
     slave: int,
@@ -212,7 +212,7 @@ def ask_tangents(
     return True
 
 
-@register_jitable(inline="always")
+@register_jitable(forceinline=True)
 def keep_ends(
     slave: int,
     ends: Ends,

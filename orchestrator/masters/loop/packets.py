@@ -98,7 +98,7 @@ def feed(plan: Plan, groups: Sequence[Sequence[Link]], extra: Sequence[Sequence[
     )
 
 
-@register_jitable(inline="always")
+@register_jitable(forceinline=True)
 def fill_inputs(feed: Feed, group: int, record: Record, k: int) -> None:
     """Values of a group's inputs from row k of the record."""
     row, value = at(record, k), feed.packets.value
@@ -109,7 +109,7 @@ def fill_inputs(feed: Feed, group: int, record: Record, k: int) -> None:
         value[slot] = feed.gain[n] * value[slot] + feed.offset[n]
 
 
-@register_jitable(inline="always")
+@register_jitable(forceinline=True)
 def send(calls: Calls, slave: int, packets: Packets, group: int, report: Ints) -> bool:
     """Set inputs of a slave to the values of a group."""
     count = packets.first[group + 1] - packets.first[group]
@@ -125,7 +125,7 @@ def send(calls: Calls, slave: int, packets: Packets, group: int, report: Ints) -
     return goes_on(report, slave, SET, status)
 
 
-@register_jitable(inline="always")
+@register_jitable(forceinline=True)
 def send_rates(calls: Calls, slave: int, packets: Packets, group: int, report: Ints) -> bool:
     """Set derivatives of inputs of a slave to the values of a group."""
     count = packets.first[group + 1] - packets.first[group]
@@ -142,7 +142,7 @@ def send_rates(calls: Calls, slave: int, packets: Packets, group: int, report: I
     return goes_on(report, slave, SET_RATES, status)
 
 
-@register_jitable(inline="always")
+@register_jitable(forceinline=True)
 def set_inputs(
     calls: Calls, slave: int, feed: Feed, group: int, record: Record, k: int, report: Ints
 ) -> bool:

@@ -1,7 +1,7 @@
 """The rows that a macro loop walks over: those of the record that are in memory.
 
 FMUs write their outputs right into a row, by its address. So a wrong row number must raise: it
-would lead into foreign memory. `at` is inlined by LLVM alone; see `tables.macro_loop` for why.
+would lead into foreign memory.
 """
 
 from __future__ import annotations

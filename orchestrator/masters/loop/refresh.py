@@ -58,7 +58,7 @@ def refresh_table(plan: Plan, table: Calls) -> Refresh:
     )
 
 
-@register_jitable(inline="always")
+@register_jitable(forceinline=True)
 def finish_row(calls: Calls, refresh: Refresh, record: Record, k: int, report: Ints) -> bool:
     """Bring row k up to date, look at it, and count it."""
     if not refresh_outputs(calls, refresh, record, k, report):
@@ -70,7 +70,7 @@ def finish_row(calls: Calls, refresh: Refresh, record: Record, k: int, report: I
     return True
 
 
-@register_jitable(inline="always")
+@register_jitable(forceinline=True)
 def refresh_outputs(calls: Calls, refresh: Refresh, record: Record, k: int, report: Ints) -> bool:
     """Bring the feedthrough outputs of row k up to date."""
     batch, loop = 0, 0
@@ -92,7 +92,7 @@ def refresh_outputs(calls: Calls, refresh: Refresh, record: Record, k: int, repo
     return True
 
 
-@register_jitable(inline="always")
+@register_jitable(forceinline=True)
 def refresh_batch(
     calls: Calls, refresh: Refresh, batch: int, record: Record, k: int, report: Ints
 ) -> bool:

@@ -15,6 +15,8 @@ from fmus.describe.parameters import DEFAULT_SET, parameter_set
 from fmus.export.code import sources
 from support.hosted import HOSTS
 
+pytestmark = pytest.mark.slow
+
 HOST = HOSTS / "memory_host.c"
 MEMORY = ("-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all")
 THREADS = ("-fsanitize=thread",)

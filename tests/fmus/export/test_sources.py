@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 
 import fmpy
 import numpy as np
+import pytest
 from fmpy.build import build_platform_binary
 from fmpy.model_description import read_build_description
 
@@ -84,6 +85,7 @@ def test_the_build_description_lists_all_c_files_once(block_name, fmi):
         assert sorted(f.get("name", "") for f in files) == sorted(listed)
 
 
+@pytest.mark.slow
 def test_fmpy_compile_gives_the_same_bits(block_name, fmi, tmp_path):
     need(shutil.which("cc") and shutil.which("cmake"), "cmake and a C compiler")
     folder = unpacked(fmu_path(block_name, fmi), tmp_path / "fmu")
@@ -104,6 +106,7 @@ def test_the_hosts_compiler_finds_nothing_and_gives_the_same_bits(block_name, fm
 LINKED = [*((block, "2.0") for block in CAR), ("truck", "3.0")]
 
 
+@pytest.mark.slow
 def test_several_fmus_are_linked_into_one_program_and_give_the_same_bits(tmp_path):
     """By the prefixes of FMI's headers, the same for a block's FMUs of both versions."""
     objects = []

@@ -42,7 +42,7 @@ RUNNERS = {
 @pytest.fixture(
     scope="module",
     params=[
-        *(pytest.param(("wheelrail", fmi, QUICK), id=f"wheelrail-{fmi}") for fmi in FUNCTIONS),
+        pytest.param(("carbody", "3.0", QUICK), id="carbody-3.0"),
         *(
             pytest.param(
                 (block, fmi, tuple(TARGETS)), marks=pytest.mark.slow, id=f"{block}-{fmi}-all"

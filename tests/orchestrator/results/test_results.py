@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 
 import numpy as np
 import pytest
@@ -68,17 +67,6 @@ def test_folder_that_cannot_be_written(tmp_path):
         f"'{tmp_path / 'file' / 'folder'}' cannot be written to: not a directory; choose another "
         "folder"
     )
-
-
-def test_writing_a_long_record_takes_no_time(tmp_path):
-    names = {f"y{n}": "m" for n in range(250)}
-    mock = InlineModel(outputs=names, output=lambda x, u, p: dict.fromkeys(names, 1.0))
-    run = simulate(System({"m": Component(mock)}), duration=0.01, step=0.01)
-    run.time, run.record = np.arange(8001) * 1e-3, np.zeros((8001, 250))
-    assert run.dataset.sizes["time"] == 8001
-    begin = time.perf_counter()
-    run.write(tmp_path)
-    assert time.perf_counter() - begin < 2.0  # a quarter of it on an idle machine
 
 
 def response(values, step=1e-3):

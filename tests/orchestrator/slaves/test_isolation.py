@@ -116,8 +116,8 @@ def test_fmu_that_cannot_be_loaded_in_time(tmp_path):
 
 
 def gone(process: int) -> bool:
-    """Whether a process ends within 10 s."""
-    until = time.monotonic() + 10.0
+    """Whether a process ends within 60 s: it does at once, unless the machine is busy."""
+    until = time.monotonic() + 60.0
     while Path(f"/proc/{process}").exists() and time.monotonic() < until:
         time.sleep(0.05)
     return not Path(f"/proc/{process}").exists()
@@ -207,19 +207,21 @@ def test_worker_dies_with_its_parent_even_when_that_is_killed(tmp_path, fmu, kin
 
     def workers() -> list[int]:
         found = []
-        for entry in Path("/proc").glob("[0-9]*/stat"):
+        for entry in Path("/proc").glob("[0-9]*"):
             try:
-                fields = entry.read_text().rpartition(")")[2].split()
+                fields = (entry / "stat").read_text().rpartition(")")[2].split()
+                command = (entry / "cmdline").read_text()
             except OSError:
                 continue
-            if int(fields[1]) == parent.pid and fields[0] != "Z":
-                found.append(int(entry.parent.name))
+            # a process has children for a moment, too, that are no workers
+            if int(fields[1]) == parent.pid and "orchestrator.slaves.isolated" in command:
+                found.append(int(entry.name))
         return found
 
-    until = time.monotonic() + 30.0
-    while not workers() and time.monotonic() < until:
+    while not (found := workers()):
+        assert parent.poll() is None
         time.sleep(0.05)
-    (worker,) = workers()
+    (worker,) = found
     if kind == "hang":
         time.sleep(2.0)
     parent.send_signal(signal.SIGKILL)

@@ -21,8 +21,6 @@ OTHER = Layout(
     track="line",
 )
 
-pytestmark = pytest.mark.xdist_group("renamed")  # one worker makes what all share
-
 
 @pytest.fixture(scope="module")
 def command(tmp_path_factory):

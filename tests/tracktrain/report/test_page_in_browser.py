@@ -17,7 +17,6 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 from support.tools import need
 
-pytestmark = pytest.mark.xdist_group("browser")
 BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
 DRIVER = shutil.which("chromedriver")
 SWITCHES = ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage")

@@ -11,8 +11,6 @@ from structures.families import beam_data
 from tracktrain.car.hopper import parameters_of
 from tracktrain.studies.carbody_survey import AirSprings, carbody_survey
 
-pytestmark = pytest.mark.xdist_group("carbody_survey")  # one worker makes what all share
-
 
 @pytest.fixture(scope="module", params=["empty", pytest.param("loaded", marks=pytest.mark.slow)])
 def modes(request):

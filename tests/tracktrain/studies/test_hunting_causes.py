@@ -14,8 +14,6 @@ from tracktrain.studies.hunting_causes import hunting_causes
 from tracktrain.studies.hunting_causes.factors import factors, joined, sets_of
 from tracktrain.studies.hunting_causes.study import GRID
 
-pytestmark = pytest.mark.xdist_group("stability")
-
 
 def test_every_factor_has_its_reason():
     for factor in factors().values():

@@ -13,8 +13,6 @@ from fmus.truck.identify import PARAMETERS, identify
 from fmus.truck.ports import ELEMENTS
 from tracktrain.cli.main import main
 
-pytestmark = pytest.mark.xdist_group("identify")  # one worker makes what all share
-
 TRUCK = parameter_set("loaded").values(Truck())
 
 

@@ -7,13 +7,11 @@ import pytest
 
 import tolerances
 from tracktrain.car.linear import LinearCar
-from tracktrain.car.modes import critical_speeds, follow
+from tracktrain.car.modes import critical_speeds, follow, growing
 from tracktrain.errors import HopperError
 from tracktrain.scales import FOOT, INCH, POUND_FORCE
 from tracktrain.studies.sensitivity import sensitivity
 from tracktrain.studies.stability import RingDown, stability
-
-pytestmark = pytest.mark.xdist_group("stability")  # one worker makes what all share
 
 REPORT_BODY = {
     "roll_inertia": 9.0e5 * POUND_FORCE * INCH,
@@ -128,6 +126,15 @@ def test_derivative_of_the_critical_speed_is_that_by_differences():
         assert table.loc[name, "critical speed [m/s]"] == pytest.approx(
             ends[0] - ends[1], rel=1e-3, abs=1e-6
         )
+
+
+def test_car_that_is_unstable_at_every_speed_is_not_called_stable():
+    worn = {"wheelrail.conicity": 0.3, "truck.centre_plate_yaw.friction_stiffness": 0.0}
+    linear = LinearCar("empty", worn)
+    grid = np.array([60.0, 80.0]) * FOOT
+    assert growing(linear, grid[0]) is not None and not critical_speeds(linear, grid)
+    said = stability(car="empty", changes=worn, speeds=grid, animate=False).notes
+    assert any("at 60 ft/s already: the critical speed is below that" in note for note in said)
 
 
 def test_pictures_and_animations_of_the_modes_are_written(tmp_path):

@@ -11,8 +11,6 @@ import tolerances
 from tracktrain.cli.main import main
 from tracktrain.studies.track import track
 
-pytestmark = pytest.mark.xdist_group("track_study")  # one worker makes what all share
-
 
 @pytest.fixture(scope="module")
 def fra5():

@@ -8,8 +8,6 @@ from click.testing import CliRunner
 from tracktrain.cli.main import main
 from tracktrain.studies.tracks import tracks
 
-pytestmark = pytest.mark.xdist_group("track_study")  # one worker makes what all share
-
 
 @pytest.fixture(scope="module")
 def outcome():

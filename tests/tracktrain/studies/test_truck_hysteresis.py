@@ -9,12 +9,10 @@ import tolerances
 from tracktrain.scales import POUND_FORCE
 from tracktrain.studies.truck_hysteresis import truck_hysteresis
 
-pytestmark = pytest.mark.xdist_group("truck_hysteresis")  # one worker makes what all share
-
 
 @pytest.fixture(scope="module")
 def constant():
-    return truck_hysteresis(loads=(20.0, 100.0), periods=(2.0, 4.0))
+    return truck_hysteresis(loads=(20.0, 100.0), periods=(1.0, 2.0))
 
 
 def test_every_loop_dissipates_4f_times_slip(constant):
@@ -28,7 +26,7 @@ def test_every_loop_dissipates_4f_times_slip(constant):
 def test_loops_do_not_depend_on_the_rate(constant):
     for element in ("bolster_roll", "bolster_vertical", "warp"):
         force = constant.dataset[f"{element}.force"].sel(load=100.0)
-        difference = np.abs(force.sel(period=2.0) - force.sel(period=4.0)).max()
+        difference = np.abs(force.sel(period=1.0) - force.sel(period=2.0)).max()
         assert difference < tolerances.LOOP_RATE * float(np.abs(force).max())
 
 
@@ -39,7 +37,7 @@ def test_constant_wedges_do_not_feel_the_load(constant):
 
 def test_proportional_wedges_hold_as_much_as_the_load_on_them():
     loads = (20.0, 100.0)
-    outcome = truck_hysteresis(wedge_law="load_proportional", loads=loads, periods=(2.0,))
+    outcome = truck_hysteresis(wedge_law="load_proportional", loads=loads, periods=(1.0,))
     force = outcome.dataset["bolster_roll.force"].isel(period=0)
     strain = outcome.dataset["bolster_roll.strain"].isel(period=0)
     width = [

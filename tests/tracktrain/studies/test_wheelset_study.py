@@ -8,8 +8,6 @@ import tolerances
 from tracktrain.scales import FOOT
 from tracktrain.studies.wheelset import wheelset
 
-pytestmark = pytest.mark.xdist_group("wheelset")  # one worker makes what all share
-
 PUBLISHED = {
     "wheelset_mass": 1200.0,
     "wheelset_yaw_inertia": 760.0,

@@ -183,7 +183,7 @@ def test_ctrl_c_keeps_what_is_done(tmp_path):
     while not (rows.exists() and rows.stat().st_size):
         time.sleep(0.1)
     os.killpg(running.pid, signal.SIGINT)
-    _, said = running.communicate(timeout=60)
+    _, said = running.communicate(timeout=300)
     assert running.returncode == 1
     assert "the same command goes on" in said and "Traceback" not in said
     done = [json.loads(line)["run"] for line in rows.read_text().splitlines()]

@@ -27,13 +27,20 @@ def rig(
 ) -> InlineModel:
     """A rig that gives law(time [s], inputs) -> outputs; both with their units.
 
-    The law must be linear in the inputs. depends: for each output the inputs that it depends on;
-    rates: for an output the one that it is the rate of.
+    The law must be linear in the inputs, with gains that do not change. depends: for each output
+    the inputs that it depends on; rates: for an output the one that it is the rate of.
     """
+    rest = dict.fromkeys(inputs, 0.0)
+    still, pushed = law(0.0, rest), {name: law(0.0, {**rest, name: 1.0}) for name in inputs}
+    gains = {
+        name: [(own, pushed[own][name] - still[name]) for own in of]
+        for name, of in (depends or {}).items()
+    }
+    none = dict.fromkeys(outputs, 0.0)
 
     def along(time: float, u: Signals, p: Signals, seed: Signals) -> Signals:
-        base, moved = law(time, u), law(time, {name: u[name] + seed[name] for name in u})
-        return {name: moved[name] - base[name] for name in base}
+        found = {name: sum(gain * seed[own] for own, gain in of) for name, of in gains.items()}
+        return none | found
 
     return InlineModel(
         outputs=outputs,

@@ -10,11 +10,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from orchestrator import Session, System, dominant_frequency, simulate
+from orchestrator import Session, dominant_frequency, simulate
 
-from ...car.changes import displaced
+from ...car.changes import changed, displaced
 from ...car.hopper import hopper_car, layout_of
-from ...car.modes import critical_speeds, linear_car, name_of
+from ...car.modes import critical_speeds, growing, linear_car
 from ...options.car import speeds_option
 from ...options.types import Quantity
 from ...scales import FOOT, MILE_PER_HOUR
@@ -126,21 +126,18 @@ def _case(
 
 def _critical(car: str, friction: str, changes: Mapping[str, float]) -> tuple[float, float, str]:
     linear = linear_car(car, friction, changes)
-    roots, shapes = linear.modes(GRID[0])
-    most = int(roots.real.argmax())
-    if roots[most].real > 0:
-        return 0.0, float(roots[most].imag / (2 * pi)), name_of(linear, shapes[:, most])
     found = critical_speeds(linear, GRID)
-    if not found:
-        return nan, nan, ""
-    return found[0].speed, found[0].root.imag / (2 * pi), found[0].mode
+    if found:
+        return found[0].speed, found[0].root.imag / (2 * pi), found[0].mode
+    already = growing(linear, GRID[0])
+    return (0.0, already.root.imag / (2 * pi), already.mode) if already else (nan, nan, "")
 
 
 def _point(
     car: str, speed: float, changes: Mapping[str, float], duration: float, session: Session
 ) -> Point:
     """The end of a run from a push of the front truck."""
-    system = _changed(hopper_car(car, speed, "perfect"), changes)
+    system = changed(hopper_car(car, speed, "perfect"), changes)
     layout = layout_of(system)
     system = displaced(system, layout.front.instance, "lateral", PUSH)
     motion = f"{layout.leading.port}.y"
@@ -150,15 +147,6 @@ def _point(
     before, now = (np.ptp(part) / 2 for part in (y[-2 * count : -count], y[-count:]))
     frequency = dominant_frequency(run.dataset[motion][-2 * count :])
     return Point(speed, float(now), frequency, bool(abs(now - before) < SAME * max(now, LARGE)))
-
-
-def _changed(system: System, changes: Mapping[str, float]) -> System:
-    layout = layout_of(system)
-    for name, value in changes.items():
-        block, _, parameter = name.partition(".")
-        for instance in layout.instances(block):
-            system = system.with_value(f"{instance}.{parameter}", value)
-    return system
 
 
 def _critical_table(cases: Sequence[Case]) -> pd.DataFrame:

@@ -225,7 +225,7 @@ instances[2].slave.freeInstance()
 print("end")
 """
     command = [sys.executable, "-X", "dev", "-c", script]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300)
     assert (done.returncode, done.stdout) == (0, "end\n"), done.stderr
 
 
