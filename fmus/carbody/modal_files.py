@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -15,6 +16,9 @@ from ..errors import ParameterError
 from .modal_data import DIRECTIONS, ENDS, PLATE_LOADS, Body, ModalData, Mode, Point
 from .modal_table import factor, read_rows
 
+IN_FMU = "extra/org.tracktrain/modal_data.toml"
+"""Place of the modal data in the FMU of a carbody."""
+
 FIELDS = (
     "name", "provenance", "outputs", "edges", "body", "points", "modes", "residual_flexibility"
 )  # fmt: skip
@@ -24,20 +28,22 @@ BODY_UNITS = {
 
 
 def read_modal_data(path: Path | str, parameters: ParameterSet | None = None) -> ModalData:
-    """Modal data of a TOML or CSV file; raises ParameterError, with the place in the file.
+    """Modal data of a TOML or CSV file, or of the FMU of a carbody that was made of such.
+
+    Raises ParameterError, with the place in the file.
 
     parameters: the set that gives body, centre plates and damping where the file does not
         (the loaded car's when none is given).
     """
     path = Path(path)
-    readers = {".toml": _from_toml, ".csv": _from_csv}
+    readers = {".toml": _from_toml, ".csv": _from_csv, ".fmu": _from_toml}
     if path.suffix.lower() not in readers:
         raise ParameterError(
-            f"{path.name} is no file of modes by its name; give .toml (the full format) or .csv "
-            "(one row for a mode and point)"
+            f"{path.name} is no file of modes by its name; give .toml (the full format), .csv "
+            "(one row for a mode and point) or an .fmu that 'tracktrain carbody' made"
         )
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = _content(path).decode("utf-8-sig")
     except OSError as error:
         raise ParameterError(f"{path} cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
@@ -45,8 +51,25 @@ def read_modal_data(path: Path | str, parameters: ParameterSet | None = None) ->
     return readers[path.suffix.lower()](path, text, parameters or parameter_set(DEFAULT_SET))
 
 
+def _content(path: Path) -> bytes:
+    if path.suffix.lower() != ".fmu":
+        return path.read_bytes()
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return archive.read(IN_FMU)
+    except (zipfile.BadZipFile, KeyError) as error:
+        raise ParameterError(
+            f"{path.name} is no FMU with modal data ({IN_FMU}); 'tracktrain carbody' makes such"
+        ) from error
+
+
 def write_modal_data(data: ModalData, path: Path | str) -> None:
     """Write the data as TOML, in SI; `read_modal_data` gives them back to the last bit."""
+    Path(path).write_text(as_text(data), encoding="utf-8")
+
+
+def as_text(data: ModalData) -> str:
+    """The data as TOML."""
     body = data.body
     lines = [f"name = {_text(data.name)}"]
     for name in ("provenance", "outputs", "edges"):
@@ -69,7 +92,7 @@ def write_modal_data(data: ModalData, path: Path | str) -> None:
         lines += ["", "[residual_flexibility]", f"rows = {_plain(PLATE_LOADS)}", "values = ["]
         lines += [f"    {_plain(row)}," for row in data.residual_flexibility]
         lines += ["]"]
-    Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return "\n".join(lines) + "\n"
 
 
 def _from_toml(path: Path, text: str, parameters: ParameterSet) -> ModalData:

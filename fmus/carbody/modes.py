@@ -2,32 +2,93 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 from scipy.linalg import expm
 
 from ..describe.variables import Values
-from .block import BEAM_WAVE_NUMBER, MODES, Carbody
+from .block import BEAM_WAVE_NUMBER, MODES
+from .modal_data import DIRECTIONS, ENDS, ModalData
+from .ports import INPUTS, MOTIONS
+
+PLATES = {"front": 1, "rear": -1}
+
+
+@dataclass(frozen=True)
+class ClosedForm:
+    """All modes of a carbody: what each moves at each point, its frequency and damping.
+
+    shapes: (rows, modes) by point, of which front and rear have the rows `MOTIONS`.
+    w: [rad/s], zero for the rigid modes, which come first; zeta: damping ratios (modes,).
+    """
+
+    shapes: Mapping[str, np.ndarray]
+    w: np.ndarray
+    zeta: np.ndarray
+
+    def on_modes(self, loads: Values) -> np.ndarray:
+        """Modal forces (modes,) of loads [N, N.m] by the name of their port."""
+        forces = np.array([loads.get(port.name, 0.0) for port in INPUTS])
+        return np.hstack([self.shapes[end].T for end in PLATES]) @ forces
+
+    def after(self, state: np.ndarray, force: Values, ramp: Values, duration: float) -> np.ndarray:
+        """State (q, qd) after `duration` [s] from `state`, by the exponential of the system.
+
+        The loads are force + ramp*t [N, N.m and per s], by the name of their port.
+        """
+        n = len(self.w)
+        system = np.zeros((2 * n + 2, 2 * n + 2))  # q, qd, force's part of 1, t
+        system[:n, n : 2 * n] = np.eye(n)
+        system[n : 2 * n, :n] = -np.diag(self.w**2)
+        system[n : 2 * n, n : 2 * n] = -2 * np.diag(self.zeta * self.w)
+        system[n : 2 * n, 2 * n] = self.on_modes(ramp)
+        system[n : 2 * n, 2 * n + 1] = self.on_modes(force)
+        system[2 * n, 2 * n + 1] = 1.0
+        return (expm(system * duration) @ np.r_[state, 0.0, 1.0])[: 2 * n]
+
+
+def default_modes(values: Values) -> ClosedForm:
+    """Those of the default carbody with these parameters."""
+    shapes = {end: mode_shapes(values, sign) for end, sign in PLATES.items()}
+    return ClosedForm(shapes, frequencies(values), np.full(len(MODES), values["modal_damping"]))
+
+
+def modes_of(data: ModalData) -> ClosedForm:
+    """Those of a carbody of modal data, rigid ones first."""
+    shapes = {}
+    for name in (*ENDS, *data.outputs):
+        rows = MOTIONS if name in ENDS else DIRECTIONS
+        shape = np.hstack([rigid_shape(data, name), data.at(name)[:, 0].T])
+        shapes[name] = shape[[DIRECTIONS.index(row) for row in rows]]
+    rigid = np.zeros(5)
+    return ClosedForm(
+        shapes,
+        np.r_[rigid, 2 * pi * data.frequencies],
+        np.r_[rigid, [mode.damping for mode in data.modes]],
+    )
+
+
+def rigid_shape(data: ModalData, point: str) -> np.ndarray:
+    """What the rigid modes of unit modal mass move at a point, (6, 5), rows `DIRECTIONS`."""
+    arm, body, axes = data.point(point).position, data.body, np.eye(3)
+    columns = [np.r_[axis, np.zeros(3)] / body.mass**0.5 for axis in axes[1:]]
+    for axis, inertia in (
+        (0, body.roll_inertia),
+        (2, body.yaw_inertia),
+        (1, body.pitch_inertia),
+    ):
+        columns.append(np.r_[np.cross(axes[axis], arm), axes[axis]] / inertia**0.5)
+    return np.array(columns).T
 
 
 def motion_after(
     values: Values, state: np.ndarray, force: Values, ramp: Values, duration: float
 ) -> np.ndarray:
-    """State (q, qd) after `duration` [s] from `state` (16,), by the exponential of the system.
-
-    The loads are force + ramp*t [N, N.m and per s], by the name of their port.
-    """
-    names = [port.name for port in Carbody.inputs]
-    shapes = np.hstack([mode_shapes(values, end).T for end in (1, -1)])
-    on_modes = np.array([[load.get(name, 0.0) for name in names] for load in (force, ramp)])
-    w = frequencies(values)
-    system = np.zeros((18, 18))  # q, qd, force's part of 1, t
-    system[:8, 8:16] = np.eye(8)
-    system[8:16, :8], system[8:16, 8:16] = -np.diag(w**2), -2 * values["modal_damping"] * np.diag(w)
-    system[8:16, 16:] = shapes @ on_modes.T
-    system[17, 16] = 1.0
-    return (expm(system * duration) @ np.r_[state, 1.0, 0.0])[:16]
+    """State (q, qd) of the default carbody after `duration` [s], see `ClosedForm.after`."""
+    return default_modes(values).after(state, force, ramp, duration)
 
 
 def frequencies(values: Values) -> np.ndarray:

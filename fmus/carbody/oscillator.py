@@ -38,6 +38,11 @@ class Transition:
         """The rate of the ramp response is the step response."""
         return self.q_f
 
+    @property
+    def column(self) -> ca.SX:
+        """All coefficients in the order of the fields."""
+        return ca.vertcat(self.q_q, self.q_v, self.q_f, self.q_ramp, self.v_q, self.v_v)
+
     def apply(self, q: ca.SX, v: ca.SX, f: ca.SX, ramp: ca.SX) -> tuple[ca.SX, ca.SX]:
         """Coordinate and rate at the end of the step."""
         return (

@@ -9,31 +9,20 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from .states import State, derivative_of, with_nominals
 from .terminals import Terminal
-from .variables import NOMINAL, Array, Constant, Input, Output, Parameter, Tangent, Values, Variable
-
-V = TypeVar("V", bound=Variable)
+from .variables import Array, Constant, Input, Output, Parameter, Tangent, Values, Variable
 
 Signals = Mapping[str, ca.SX]
 """Symbols or expressions by name. They are scalars; derived constants may be matrices."""
 
 STEADY = 1e30
 """Largest micro step [s] of a block whose step is exact or which has no dynamics."""
-
-
-@dataclass(frozen=True)
-class State(Variable):
-    """A state of the block; `memory` changes at events and after completed steps only.
-
-    A continuous state is an output of the same name as well. Continuous states come first.
-    """
-
-    memory: bool = False
 
 
 @dataclass(frozen=True)
@@ -81,13 +70,16 @@ class Block:
     switch: str | None = None
     stands_for: str | None = None
 
+    home: str = ""
+    """Folder of `fmus` with its README, pictures and reference results; "" is that of its name."""
+
     def __init_subclass__(cls) -> None:
-        states = {state.name for state in cls.states}
-        cls.outputs = tuple(
-            _with_nominal(output) if output.name in states else output
-            for output in getattr(cls, "outputs", ())
-        )
-        cls.states = tuple(map(_with_nominal, cls.states))
+        cls.outputs, cls.states = with_nominals(getattr(cls, "outputs", ()), cls.states)
+
+    @property
+    def folder(self) -> str:
+        """Name of its folder in `fmus`."""
+        return self.home or self.name
 
     def derived_function(self) -> ca.Function:
         """CasADi function from the vector of parameters to the vector of derived constants.
@@ -120,13 +112,18 @@ class Block:
         """Largest micro step [s] that keeps the integration stable and accurate."""
         return ca.SX(STEADY)
 
+    def transition(self, d: Signals, h: ca.SX) -> Signals:
+        """What micro steps of size h [s] need besides, kept while h and the constants stand."""
+        return {}
+
     def step(
         self, x: Signals, u: Signals, rate: Signals, p: Signals, d: Signals, h: ca.SX
     ) -> tuple[Signals, Signals]:
         """States, and inputs that differ from u + rate*h, after one micro step h [s].
 
-        u are the inputs at the start of the micro step, `rate` their time derivatives. The second
-        mapping may be empty; it holds inputs that follow the block's own motion (tangents).
+        u are the inputs at the start of the micro step, `rate` their time derivatives; d holds what
+        `transition` states as well. The second mapping may be empty; it holds inputs that follow
+        the block's own motion (tangents).
         """
         return {}, {}
 
@@ -210,7 +207,7 @@ class Block:
     def derivatives(self) -> Sequence[Output]:
         """The time derivative of each continuous state: an output, or a variable of its own."""
         rates = {output.derivative_of: output for output in self.outputs}
-        return [rates.get(state.name) or _derivative_of(state) for state in self.continuous]
+        return [rates.get(state.name) or derivative_of(state) for state in self.continuous]
 
     @property
     def locals(self) -> Sequence[Variable]:
@@ -266,8 +263,9 @@ class Functions:
     constants(p, d) -> c
     initial(p, d, u) -> x
     largest_step(x, u, p, d) -> h [s]
-    step(x, u, rate, p, d, h) -> x, u at the end of the micro step, and the margin if any
-    step_beyond(x, u, rate, p, d, h) -> x, u
+    transition(d, h) -> t
+    step(x, u, rate, p, d, h, t) -> x, u at the end of the micro step, and the margin if any
+    step_beyond(x, u, rate, p, d, h, t) -> x, u
     stations(x, u, p, d) -> s
     outputs(x, u, p, d, lookup) -> y, and the margin
     outputs_beyond(x, u, p, d, lookup) -> y
@@ -303,10 +301,13 @@ class Functions:
             "largest_step", [xv, uv, pv, dv], [ca.SX(block.largest_step(x, u, p, d))]
         )
         held = {name: u[name] + rate[name] * h for name in u}
-        over_step = [xv, uv, _vector(rate), pv, dv, h]
+        kept = block.transition(d, h)
+        self.transition = ca.Function("transition", [dv, h], [ca.densify(_flat(kept))])
+        t = {name: ca.SX.sym(name, *ca.SX(value).shape) for name, value in kept.items()}
+        over_step = [xv, uv, _vector(rate), pv, dv, h, _flat(t)]
 
         def ends(step: Callable[..., tuple[Signals, Signals]]) -> tuple[Signals, Signals]:
-            x_end, moved = step(x, u, rate, p, d, h)
+            x_end, moved = step(x, u, rate, p, {**d, **t}, h)
             return x_end, {**held, **moved}
 
         def vectors(x_end: Signals, u_end: Signals) -> list[ca.SX]:
@@ -407,24 +408,6 @@ class Functions:
                 ]
             ),
         )
-
-
-def _derivative_of(state: State) -> Output:
-    """A variable for a state's time derivative."""
-    whole, per_second = state.unit.removesuffix("/s"), state.unit.endswith("/s")
-    return _with_nominal(
-        Output(
-            f"der({state.name})",
-            f"{whole}/s2" if per_second else f"{whole}/s",
-            f"{state.description}, time derivative",
-            derivative_of=state.name,
-        )
-    )
-
-
-def _with_nominal(variable: V) -> V:
-    """The variable with the usual size in its unit, if it states none."""
-    return replace(variable, nominal=variable.nominal or NOMINAL.get(variable.unit))
 
 
 def _flat(constants: Signals) -> ca.SX:

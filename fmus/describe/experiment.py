@@ -6,7 +6,8 @@ Each block states its own in `experiment.py` of its folder; `fmus.reference` wri
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable
+import io
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -24,6 +25,22 @@ TIMES = np.linspace(0.0, 1.0, 51)
 
 Table = dict[str, np.ndarray]
 """Columns by name; the first is `time` [s]."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Known results of a block as they travel in its FMU.
+
+    method: how they came about. tolerances: largest difference over a column's largest value, by
+    interface. parameters: what differs from the values that the FMU starts with. tables: CSV of
+    `stimuli` and `results`.
+    """
+
+    name: str
+    method: str
+    tolerances: Mapping[str, float]
+    parameters: Values
+    tables: Mapping[str, bytes]
 
 
 @dataclass(frozen=True)
@@ -59,6 +76,12 @@ class Experiment:
         """Where the tables are kept."""
         return Path(__file__).parents[1] / self.name / "reference"
 
+    @property
+    def reference(self) -> Reference:
+        """The tables as they are kept."""
+        tables = {n: (self.folder / f"{n}.csv").read_bytes() for n in ("stimuli", "results")}
+        return Reference(self.name, self.method, self.tolerances, self.parameters, tables)
+
     def tables(self) -> dict[str, Table]:
         """Stimuli and results [SI] by their names."""
         values = parameter_set(DEFAULT_SET).values(self.block())
@@ -73,13 +96,17 @@ def held(inputs: Values) -> Table:
 
 
 def write(table: Table, path: Path) -> None:
-    """Write the table as CSV: names in the first line, ten digits."""
-    with path.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(table)
-        writer.writerows(
-            [f"{x + 0.0:.10g}" for x in row] for row in zip(*table.values(), strict=True)
-        )
+    """Write the table as CSV."""
+    path.write_bytes(as_bytes(table))
+
+
+def as_bytes(table: Table) -> bytes:
+    """The table as CSV: names in the first line, ten digits."""
+    file = io.StringIO(newline="")
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(table)
+    writer.writerows([f"{x + 0.0:.10g}" for x in row] for row in zip(*table.values(), strict=True))
+    return file.getvalue().encode()
 
 
 def read(path: Path) -> Table:

@@ -40,7 +40,12 @@ class Entry:
     description: str
 
     def to(self, unit: str) -> float:
-        """The value in an FMI unit such as `N.m/rad`; raises pint.PintError when it is no such."""
+        """The value in an FMI unit such as `N.m/rad`; raises pint.PintError when it is no such.
+
+        A unit is always its own, also one that FMI knows by its name alone.
+        """
+        if self.unit == unit:
+            return NO_STOP if math.isinf(self.value) else self.value
         value = float(self.quantity.to(parse(unit)).magnitude)
         return NO_STOP if math.isinf(value) else value
 
@@ -70,7 +75,7 @@ class ParameterSet:
 
         Without blocks in any table; None when no file gives it.
         """
-        tables = (*blocks, SHARED) if blocks else TABLES
+        tables = (*blocks, SHARED) if blocks else tuple(self.entries)
         found = (self.entries.get(table, {}).get(name) for table in tables)
         return next((entry for entry in found if entry), None)
 

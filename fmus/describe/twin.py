@@ -63,8 +63,9 @@ class Twin:
         f = self.block.functions
         largest = float(f.largest_step(self.x, self.u, self.p, self.d))
         count = max(1, math.ceil(size / largest - 1e-9))
+        kept = f.transition(self.d, size / count)
         for _ in range(count):
-            over_step = (self.x, self.u, self.rate, self.p, self.d, size / count)
+            over_step = (self.x, self.u, self.rate, self.p, self.d, size / count, kept)
             x, u, *margin = f.step(*over_step)
             if margin and float(margin[0]) < 0:
                 x, u = f.step_beyond(*over_step)

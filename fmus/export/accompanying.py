@@ -4,23 +4,21 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..describe.block import Block
-from ..describe.parameters import ParameterSet
 from ..describe.variables import Values
 from .documentation import documentation
+from .product import Product
 from .xml.references import references
 from .xml.terminals import terminals_and_icons
 
 HERE = Path(__file__).parent
 
 
-def accompanying_files(
-    block: Block, parameters: ParameterSet, start: Values, description: str
-) -> dict[str, bytes]:
+def accompanying_files(product: Product, start: Values, description: str) -> dict[str, bytes]:
     """The files by their place in the archive.
 
     start: parameter values [SI]. description: text of modelDescription.xml.
     """
+    block, parameters = product.block, product.parameters
     texts = {
         "documentation/index.html": documentation(
             block, parameters, start, description=description
@@ -29,7 +27,7 @@ def accompanying_files(
         "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(block),
     }
     copies = {}
-    own = HERE.parent / block.name
+    own = HERE.parent / block.folder
     for suffix in (".png", ".svg"):  # docs/draw.py makes the first of the second
         copies[f"documentation/diagram{suffix}"] = own / f"diagram{suffix}"
         copies[f"terminalsAndIcons/icon{suffix}"] = own / f"icon{suffix}"
@@ -39,7 +37,8 @@ def accompanying_files(
     return {
         **{place: text.encode() for place, text in texts.items()},
         **{place: file.read_bytes() for place, file in copies.items()},
-        **references(block.name),
+        **references(product.reference),
+        **product.further,
     }
 
 

@@ -11,13 +11,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .. import BLOCKS
-from ..describe.block import Block
-from ..describe.parameters import DEFAULT_SET, parameter_set
 from ..names import FMI_VERSIONS, SUFFIX
 from . import code
 from .accompanying import accompanying_files
 from .archive import NO_GUID, guid, write_archive
 from .compiler import FLAGS, Target, compile_library, targets
+from .product import Product, shipped
 from .xml import fmi2, fmi3
 from .xml.build_description import build_description
 
@@ -45,18 +44,28 @@ def build(
     Each holds the binaries of all the platforms: names of compiler.TARGETS, `host` or `all`.
     Raises CompileError, or OSError for a folder that cannot be written.
     """
+    return build_products(out, [shipped(name) for name in names or BLOCKS], platforms, fmi)
+
+
+def build_products(
+    out: Path,
+    products: Iterable[Product],
+    platforms: Iterable[str] = ("host",),
+    fmi: Iterable[str] = FMI_VERSIONS,
+) -> dict[str, Path]:
+    """The same for blocks with numbers of their own; the file is named as the block is."""
     chosen, versions = targets(platforms), tuple(fmi)
     out.mkdir(parents=True, exist_ok=True)
-    prepared = [contents(BLOCKS[name](), versions) for name in names or BLOCKS]
+    prepared = [contents(product, versions) for product in products]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         built = pool.map(lambda of_block: _write(of_block, out, chosen), prepared)
         return {path.stem: path for paths in built for path in paths}
 
 
-def contents(block: Block, versions: Iterable[str]) -> list[Contents]:
+def contents(product: Product, versions: Iterable[str]) -> list[Contents]:
     """The block's FMUs for the versions of FMI, before they are compiled."""
-    parameters = parameter_set(DEFAULT_SET)
-    start = parameters.values(block)
+    block = product.block
+    start = product.parameters.values(block)
     found = []
     for fmi in versions:
         xml = DESCRIPTIONS[fmi](block, start)
@@ -66,7 +75,7 @@ def contents(block: Block, versions: Iterable[str]) -> list[Contents]:
             "modelDescription.xml": xml.replace(NO_GUID, own),
             "sources/buildDescription.xml": build_description(block.name, sources),
         }
-        files = accompanying_files(block, parameters, start, xml)
+        files = accompanying_files(product, start, xml)
         files |= {place: text.encode() for place, text in texts.items()}
         named = {name: text.replace(NO_GUID, own) for name, text in sources.items()}
         found.append(Contents(block.name, fmi, files, named))

@@ -61,6 +61,8 @@ def generated_functions(block: Block) -> dict[str, ca.Function]:
         names.append("event_indicators")
     if block.memory:
         names.append("memory_after")
+    if f.transition.numel_out():
+        names.append("transition")
     if block.constants:
         names.append("constants")
     if f.has_margin:
@@ -111,6 +113,7 @@ def _counts(block: Block) -> str:
         "N_ARRAYS": len(block.all_arrays),
         "N_INDICATORS": block.functions.event_indicators.numel_out(),
         "N_DERIVED": block.functions.derived.numel_out(0),
+        "N_TRANSITION": block.functions.transition.numel_out(),
         "HAS_MARGIN": int(block.functions.has_margin),
         "TABLE_STATIONS": table.station_count if table else 0,
         "TABLE_VALUES": table.values if table else 0,

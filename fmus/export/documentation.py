@@ -91,7 +91,7 @@ def documentation(
     The equations are in the README of the block's own folder, or in another one that is given.
     description: text of modelDescription.xml, for what the FMU can do.
     """
-    readme = readme or Path(__file__).parent.parent / block.name / "README.md"
+    readme = readme or Path(__file__).parent.parent / _folder(block) / "README.md"
     terminals = block.terminals if isinstance(block, Block) else ()
     sections = {
         "": _readme(readme),
@@ -133,6 +133,10 @@ def documentation(
 {drawn}
 {body}</body></html>
 """
+
+
+def _folder(block: Block | Model) -> str:
+    return block.folder if isinstance(block, Block) else block.name
 
 
 def _arrays(block: Block) -> str:

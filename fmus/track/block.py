@@ -7,7 +7,8 @@ from functools import cache, cached_property
 
 import casadi as ca
 
-from ..describe.block import Block, Signals, State, Table
+from ..describe.block import Block, Signals, Table
+from ..describe.states import State
 from ..describe.terminals import RAILS, Terminal
 from ..describe.variables import Array, Input, Output, Parameter, choice
 from .gauge import GAUGE_ROWS

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..describe.block import State
+from ..describe.states import State
 from ..describe.terminals import CENTRE_PLATE, RAILS, WHEELSET, Terminal
 from ..describe.variables import Array, Input, Output, Parameter, Tangent, Variable, choice, vector
 

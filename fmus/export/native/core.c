@@ -38,7 +38,7 @@ void core_reset(Instance *instance) {
     memcpy(s->given, s->value + FIRST_INPUT, N_INPUTS * sizeof(double));
     s->phase = INSTANTIATED;
     s->derived_stale = s->states_stale = s->outputs_stale = 1;
-    memset(instance->page_filled, 0, sizeof instance->page_filled);
+    forget_caches(instance);
 }
 
 Status core_start(Instance *instance, double time) {
@@ -255,7 +255,7 @@ Status core_restore(Instance *instance, const State *state) {
         return core_fail(instance, "a state of %s cannot go on in an instance for %s",
                          INTERFACE_NAME[other], INTERFACE_NAME[instance->interface]);
     if (memcmp(instance->state.d, state->d, sizeof state->d) != 0)
-        memset(instance->page_filled, 0, sizeof instance->page_filled);
+        forget_caches(instance);
     memcpy(&instance->state, state, sizeof *state);
     instance->state.outputs_stale = 1; /* the lookup behind them is the instance's, not the state's */
     return OK;

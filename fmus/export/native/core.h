@@ -73,6 +73,8 @@ typedef struct {
     double page[TABLE_SLOTS][TABLE_PAGE_SIZE + 1];
     int64_t page_number[TABLE_SLOTS];
     int page_filled[TABLE_SLOTS];
+    /* What steps of that size need, also a cache of the kind; a size below 0 is of none. */
+    double transition[N_TRANSITION + 1], transition_size;
     double lookup[TABLE_ROWS * TABLE_STATIONS + 1];
     const double *arg[WORK_ARG + 1];
     double *res[WORK_RES + 1];

@@ -34,6 +34,11 @@ static void common_arguments(Instance *instance, const double *x, const double *
     instance->arg[3] = s->d;
 }
 
+void forget_caches(Instance *instance) {
+    memset(instance->page_filled, 0, sizeof instance->page_filled);
+    instance->transition_size = -1.0;
+}
+
 static Status refresh_derived(Instance *instance) {
     State *s = &instance->state;
     if (!s->derived_stale) return OK;
@@ -44,7 +49,7 @@ static Status refresh_derived(Instance *instance) {
         return core_fail(instance, "these parameter values give no finite model; check for zero or "
                                    "contradicting masses, lengths and stiffnesses");
     s->derived_stale = 0;
-    memset(instance->page_filled, 0, sizeof instance->page_filled);
+    forget_caches(instance);
     return OK;
 }
 
@@ -205,10 +210,25 @@ Status core_plan(Instance *instance, double time, double size, long *count) {
     return OK;
 }
 
+static void refresh_transition(Instance *instance, double micro) {
+#if N_TRANSITION
+    if (micro == instance->transition_size) return;
+    instance->arg[0] = instance->state.d;
+    instance->arg[1] = &micro;
+    instance->res[0] = instance->transition;
+    CALL(transition);
+    instance->transition_size = micro;
+#else
+    (void)instance;
+    (void)micro;
+#endif
+}
+
 Status core_advance(Instance *instance, double time, double size, long count) {
     State *s = &instance->state;
     double ends[2][N_STATES + N_INPUTS + 1], micro = size / (double)count;
     const double *x = s->x, *u = inputs(s);
+    refresh_transition(instance, micro);
     for (long i = 0; i < count; i++) {
         double *end = ends[i % 2];
         instance->arg[0] = x;
@@ -217,6 +237,7 @@ Status core_advance(Instance *instance, double time, double size, long count) {
         instance->arg[3] = parameters(s);
         instance->arg[4] = s->d;
         instance->arg[5] = &micro;
+        instance->arg[6] = instance->transition;
         instance->res[0] = end;
         instance->res[1] = end + N_STATES;
 #if HAS_MARGIN

@@ -22,6 +22,9 @@ static inline int all_finite(const double *value, size_t count) {
 /* Name of a state, or of an input that follows its tangent, that is not finite; NULL if none. */
 const char *first_lost(const double *x, const double *u);
 
+/* Nothing of the caches holds for other derived constants. */
+void forget_caches(Instance *instance);
+
 /* Compute what is stale, and all that it follows from. */
 Status refresh_states(Instance *instance);
 Status refresh_outputs(Instance *instance);

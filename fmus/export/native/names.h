@@ -57,6 +57,7 @@
 #define evaluate_derivatives INTERNAL(evaluate_derivatives)
 #define evaluate_indicators INTERNAL(evaluate_indicators)
 #define first_lost INTERNAL(first_lost)
+#define forget_caches INTERNAL(forget_caches)
 #define refresh_outputs INTERNAL(refresh_outputs)
 #define refresh_states INTERNAL(refresh_states)
 #define slave_check_step INTERNAL(slave_check_step)

@@ -10,6 +10,7 @@ from ...describe.parameters import DEFAULT_SET, parameter_set
 from ...python.twin_model import TwinModel
 from ..accompanying import accompanying_files
 from ..dependencies import dependencies, initial_dependencies
+from ..product import shipped
 from ..xml.description import OURS
 from ..xml.fmi2 import described
 from .assembly import Recipe, write
@@ -51,5 +52,5 @@ def build_python(name: str, out: Path, platforms: Iterable[str] = ("host",)) -> 
     model = TwinModel(kind, start)
     description = described(model, start, OURS, [recipe.interface], now, at_start)
     out.mkdir(parents=True, exist_ok=True)
-    files = accompanying_files(block, parameters, start, description)
+    files = accompanying_files(shipped(name), start, description)
     return write(out, recipe, description, files, platforms)

@@ -10,8 +10,7 @@ import hashlib
 from pathlib import PurePosixPath
 from xml.etree.ElementTree import Element, SubElement
 
-from ...describe.experiment import STEP, Experiment
-from ...reference import EXPERIMENTS
+from ...describe.experiment import STEP, Reference
 from . import document
 
 FOLDER = PurePosixPath("extra/org.fmi-standard.fmi-ls-ref")
@@ -19,9 +18,8 @@ MANIFEST = "{http://fmi-standard.org/fmi-ls-manifest}fmi-ls-"
 PARAMETER_SET = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
 
 
-def references(block: str) -> dict[str, bytes]:
+def references(experiment: Reference) -> dict[str, bytes]:
     """The files by their place in the archive."""
-    experiment = EXPERIMENTS[block]
     related = {
         "experiment.exp": (
             _experiment(experiment).encode(),
@@ -34,8 +32,7 @@ def references(block: str) -> dict[str, bytes]:
         ("stimuli.csv", "testcase", "Inputs over time, linear between two rows, SI"),
         ("results.csv", "result", "Outputs that are to be met, SI"),
     ):
-        content = (experiment.folder / name).read_bytes()
-        related[name] = (content, "text/csv", role, text)
+        related[name] = (experiment.tables[name.removesuffix(".csv")], "text/csv", role, text)
     if experiment.parameters:
         related["parameters.ssv"] = (
             _parameter_set(experiment).encode(),
@@ -72,7 +69,7 @@ def _manifest(related: dict[str, tuple[bytes, str, str, str]]) -> str:
     return document(root)
 
 
-def _experiment(experiment: Experiment) -> str:
+def _experiment(experiment: Reference) -> str:
     """One experiment for each interface: the same inputs and results, met to other tolerances."""
     root = Element("Experiments", name=f"{experiment.name} reference")
     for interface, tolerance in experiment.tolerances.items():
@@ -92,7 +89,7 @@ def _experiment(experiment: Experiment) -> str:
     return document(root)
 
 
-def _parameter_set(experiment: Experiment) -> str:
+def _parameter_set(experiment: Reference) -> str:
     root = Element(f"{{{PARAMETER_SET}}}ParameterSet", version="1.0", name=experiment.name)
     parameters = SubElement(root, f"{{{PARAMETER_SET}}}Parameters")
     for name, value in experiment.parameters.items():
@@ -101,7 +98,7 @@ def _parameter_set(experiment: Experiment) -> str:
     return document(root)
 
 
-def _explanation(experiment: Experiment) -> str:
+def _explanation(experiment: Reference) -> str:
     changed = ", ".join(f"{name} = {value:g}" for name, value in experiment.parameters.items())
     met = " and ".join(f"{t:g} in {interface}" for interface, t in experiment.tolerances.items())
     return f"""Reference results of the {experiment.name}

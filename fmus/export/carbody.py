@@ -1,0 +1,57 @@
+"""The FMU of a carbody that is made of modal data."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+
+import platformdirs
+
+from ..carbody.experiment import reference
+from ..carbody.modal import ModalCarbody
+from ..carbody.modal_data import ModalData
+from ..carbody.modal_files import IN_FMU, as_text
+from ..catalogue import source_hash
+from .build import build_products
+from .product import Product
+
+
+def build_carbody(
+    data: ModalData, out: Path, fmi: str = "2.0", platforms: Iterable[str] = ("host",)
+) -> Path:
+    """Write the FMU of the data to the file `out`, and return its path.
+
+    The data travel in it. platforms: names of compiler.TARGETS, `host` or `all`. Raises
+    CompileError, ParameterError for data that make no carbody, OSError for a place that cannot be
+    written.
+    """
+    product = _product(data, _identifier(out.stem))
+    out.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=out.parent) as folder:
+        (built,) = build_products(Path(folder), [product], platforms, [fmi]).values()
+        built.replace(out)
+    return out
+
+
+def carbody_fmu(data: ModalData) -> Path:
+    """The FMU of the data for FMI 2.0 and this machine, built once and kept in the user's cache."""
+    text = source_hash() + as_text(data)
+    folder = platformdirs.user_cache_path("tracktrain") / "carbodies"
+    digest = hashlib.sha256(text.encode()).hexdigest()[:16]
+    out = folder / digest / f"{_identifier(data.name)}.fmu"
+    return out if out.exists() else build_carbody(data, out)
+
+
+def _product(data: ModalData, name: str) -> Product:
+    block = ModalCarbody(data, name)
+    further = {IN_FMU: as_text(data).encode()}
+    return Product(block, block.given, reference(name, data), further)
+
+
+def _identifier(name: str) -> str:
+    """The name as FMI allows it for a model: letters, digits and _."""
+    found = re.sub(r"[^A-Za-z0-9_]", "_", name)
+    return found if found[:1].isalpha() else f"carbody_{found}"
