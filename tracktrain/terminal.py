@@ -51,7 +51,7 @@ def printable(table: pd.DataFrame, title: str) -> Table:
         title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, collapse_padding=True
     )
     flat = table.reset_index() if any(table.index.names) else table
-    columns = {str(name): [_cell(value) for value in flat[name]] for name in flat.columns}
+    columns = {str(name): [cell(value) for value in flat[name]] for name in flat.columns}
     for name, cells in columns.items():
         number = flat[name].dtype.kind in "if"
         widest = max(map(len, cells), default=1)
@@ -80,7 +80,7 @@ def _least_width(column: Column) -> int:
     return max(column.min_width or 1, *(min(cell_len(line), most) for line in lines), 1)
 
 
-def _cell(value: object) -> str:
+def cell(value: object) -> str:
     """A number to four digits; a dash for none."""
     if not isinstance(value, float):
         return str(value)

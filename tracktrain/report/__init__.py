@@ -67,8 +67,8 @@ def page(dataset: xr.Dataset, bonds: pd.DataFrame | None = None) -> str:
         index=index,
         blob=blob,
         plotly=compressed(get_plotlyjs().encode()),
-        styles=_text("page.css"),
-        script="\n".join(map(_text, SCRIPTS)),
+        styles=page_text("page.css"),
+        script="\n".join(map(page_text, SCRIPTS)),
     )
 
 
@@ -82,13 +82,13 @@ def _data(dataset: xr.Dataset) -> tuple[str, str, int]:
     if known["scene"] is None:
         known["modes"] = None
     index, blob = packed(arrays)
-    return _json({**known, "arrays": index}), blob, width
+    return as_json({**known, "arrays": index}), blob, width
 
 
-def _json(known: Mapping[str, Any]) -> str:
+def as_json(known: Mapping[str, Any]) -> str:
     """JSON that can stand in a script element."""
     return json.dumps(known, separators=(",", ":")).replace("<", "\\u003c")
 
 
-def _text(name: str) -> str:
+def page_text(name: str) -> str:
     return (files(__name__) / "page" / name).read_text(encoding="utf-8")
