@@ -8,7 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fmus.carbody.modal_data import PLATE_LOADS, ModalData
+from fmus.carbody.modal_data import DIRECTIONS, ENDS, PLATE_LOADS, ModalData
+from fmus.carbody.modes import rigid_shape
+from fmus.carbody.ports import MOTIONS
 
 Array = NDArray[np.float64]
 
@@ -44,20 +46,8 @@ def under_plates(vertical: float, roll: float) -> Array:
 
 def rigid_rows(data: ModalData) -> Array:
     """What the modes `RIGID` of unit modal mass move at the plates, (5, 8)."""
-    body = data.body
-    masses = (body.mass, body.mass, body.roll_inertia, body.yaw_inertia, body.pitch_inertia)
-    rows = np.zeros((5, 8))
-    for end, point in enumerate(data.point(name) for name in ("front", "rear")):
-        turned = [np.cross(axis, point.position) for axis in np.eye(3)]
-        motions = (
-            (1, 0, 0, 0),
-            (0, 1, 0, 0),
-            (turned[0][1], turned[0][2], 1, 0),
-            (turned[2][1], turned[2][2], 0, 1),
-            (turned[1][1], turned[1][2], 0, 0),
-        )
-        rows[:, 4 * end : 4 * end + 4] = motions
-    return rows / np.sqrt(masses)[:, None]
+    rows = [DIRECTIONS.index(motion) for motion in MOTIONS]
+    return np.vstack([rigid_shape(data, end)[rows] for end in ENDS]).T
 
 
 def on_springs(data: ModalData, stiffness: Array) -> OnSprings:

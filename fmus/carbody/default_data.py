@@ -59,7 +59,7 @@ def default_data(values: Values, points: Sequence[Point] = (), name: str = "defa
             for mode in ELASTIC
         ),
         every,
-        np.stack([_shapes(values, point) for point in every], axis=1),
+        np.stack([shapes_at(values, point) for point in every], axis=1),
         tuple(point.name for point in points),
         edges,
         provenance=("default carbody: beam bending, torsion by a factor",),
@@ -91,7 +91,7 @@ def outlined(data: ModalData) -> ModalData:
     )
 
 
-def _shapes(values: Values, point: Point) -> np.ndarray:
+def shapes_at(values: Values, point: Point) -> np.ndarray:
     """Torsion, lateral and vertical bending at a point, (3, 6): sections stay plane.
 
     Torsion is linear along the body, as large at the centre plates as the block has it.

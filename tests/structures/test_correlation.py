@@ -10,12 +10,12 @@ import pytest
 
 import tolerances
 from fmus.carbody import Carbody
+from fmus.carbody.default_data import default_data
 from fmus.carbody.modal_data import Point
 from fmus.describe.parameters import parameter_set
 from structures import scaling, springs
 from structures.correlation import correlate, modal_assurance
 from structures.errors import StructureError
-from structures.families import beam_data
 from structures.survey import Survey
 
 POINTS = tuple(
@@ -33,7 +33,7 @@ def values():
 
 @pytest.fixture(scope="module")
 def data(values):
-    return beam_data(values, POINTS)
+    return default_data(values, POINTS)
 
 
 def survey_of(data, order, **changes):
@@ -78,7 +78,7 @@ def test_a_sensor_on_no_point_is_named_with_the_nearest(data):
 def test_two_sensors_make_no_comparison(data):
     survey = survey_of(data, (0, 1, 2))
     survey.shapes[1, 1:] = np.nan
-    with pytest.raises(StructureError, match="lateral bending was measured in 2 direction"):
+    with pytest.raises(StructureError, match="lateral_bending was measured in 2 direction"):
         correlate(survey, data)
 
 
@@ -117,7 +117,7 @@ def test_measured_frequencies_replace_those_of_the_analysis_and_say_so(data):
     [("empty", 6.75, 3.45, 5.32), ("loaded", 6.30, 3.30, 4.89)],
 )
 def test_torsion_without_the_air_springs_is_the_reports(car, on_air, roll, free):
-    data = beam_data(parameter_set(car).values(Carbody()))
+    data = default_data(parameter_set(car).values(Carbody()))
     air = springs.under_plates(0.0, data.body.roll_inertia * (2 * pi * roll) ** 2 / 2)
     found = springs.without_springs(on_air, data.plate_rows()[0], air)
     assert found == pytest.approx(free, abs=0.01)

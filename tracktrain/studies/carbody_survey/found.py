@@ -47,7 +47,7 @@ def sought(data: ModalData, springs: AirSprings) -> list[Sought]:
     air = on_springs(data, springs.matrix)
     return [
         Sought(
-            f"{name} on air" if name in RIGID else name,
+            f"{name} on air" if name in RIGID else name.replace("_", " "),
             name,
             float(air.frequencies[i]),
             _purest(air, i),

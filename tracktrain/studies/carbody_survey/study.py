@@ -12,8 +12,9 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
+from fmus.carbody.default_data import default_data
 from fmus.carbody.modal_data import ModalData
-from structures.families import beam_data
+from fmus.export.carbody import carbody_fmu
 from structures.springs import RIGID, without_springs
 
 from ...car.hopper import parameters_of, vehicle
@@ -43,7 +44,7 @@ Transfer = Mapping[Shakers, xr.Dataset]
 def carbody_survey(
     car: str = "empty",
     fmu: Path | None = None,
-    data: ModalData | None = None,
+    carbody: ModalData | None = None,
     progress: Progress = unseen,
 ) -> Outcome:
     """Find the carbody's modes as the report's modal survey did.
@@ -51,12 +52,11 @@ def carbody_survey(
     The carbody hangs on air springs; shakers at the centre plates sweep through 0.5 to 45 Hz. A
     mode stands where the imaginary part of acceleration over force peaks (Figure 4-8); its damping
     shows in the decay after a dwell there (Figure 4-9). What the air springs add is taken out by
-    (4-20) to (4-23). `fmu` is a carbody to survey instead of ours.
+    (4-20) to (4-23). `fmu` is a carbody to survey instead of ours; its modes are sought where the
+    default carbody's are. `carbody` is one of modal data, whose modes are to come back.
     """
-    # data: what the carbody is known to be, which says where its modes are to be sought and is
-    # compared with; the default carbody's where none is given
-    data = data or beam_data(parameters_of(car)["carbody"])
-    place, given = under_test(car, "carbody", fmu)
+    data = carbody or default_data(parameters_of(car)["carbody"])
+    place, given = (carbody_fmu(data), {}) if carbody else under_test(car, "carbody", fmu)
     springs = AirSprings.under(data.body)
     modes = sought(data, springs)
     vectors = list(dict.fromkeys(mode.shakers for mode in modes))
@@ -75,7 +75,7 @@ def carbody_survey(
         done += 1
         progress(done / jobs)
     return Outcome(
-        title=f"Modal survey of the carbody on air springs, {car}",
+        title=f"Modal survey of the carbody on air springs, {carbody.name if carbody else car}",
         dataset=_dataset(ratios, found, car),
         tables={"modes": _table(found, data, springs, car)},
         pictures={
