@@ -25,6 +25,9 @@ LENGTH = 517 / 406
 STATIONS = 13
 """Sections along the drawn body."""
 
+DRAWN = "drawn"
+"""What the names of the outline's points begin with."""
+
 CORNERS = {
     "right_floor": (-1, False),
     "left_floor": (1, False),
@@ -91,6 +94,11 @@ def outlined(data: ModalData) -> ModalData:
     )
 
 
+def is_outline(data: ModalData) -> bool:
+    """Whether what is drawn is the hopper's outline, and no structure of its own."""
+    return bool(data.edges) and data.edges[0][0].startswith(DRAWN)
+
+
 def shapes_at(values: Values, point: Point) -> np.ndarray:
     """Torsion, lateral and vertical bending at a point, (3, 6): sections stay plane.
 
@@ -121,12 +129,12 @@ def _outline(half: float, height: float) -> tuple[list[Point], tuple[tuple[str, 
         floor = float(np.interp(abs(x) / half, *FLOOR))
         for corner, (side, upper) in CORNERS.items():
             z = (HEIGHT if upper else floor) - height
-            points.append(Point(f"drawn {corner} {number}", float(x), side * HALF_WIDTH, z))
-        points.append(Point(f"drawn sill {number}", float(x), 0.0, -height))
+            points.append(Point(f"{DRAWN} {corner} {number}", float(x), side * HALF_WIDTH, z))
+        points.append(Point(f"{DRAWN} sill {number}", float(x), 0.0, -height))
     for line, step in (*((corner, 1) for corner in CORNERS), ("sill", 2)):
-        places = [f"drawn {line} {n}" for n in range(0, STATIONS, step)]
+        places = [f"{DRAWN} {line} {n}" for n in range(0, STATIONS, step)]
         edges += pairwise(places)
     for number in range(0, STATIONS, 3):
-        ring = [f"drawn {corner} {number}" for corner in CORNERS]
+        ring = [f"{DRAWN} {corner} {number}" for corner in CORNERS]
         edges += zip(ring, [*ring[1:], ring[0]], strict=True)
     return points, tuple(edges)

@@ -55,7 +55,7 @@ def with_residual_modes(
         modes=(*data.modes, *residual),
         shapes=np.concatenate([data.shapes, shapes]),
         residual_flexibility=None,
-        provenance=(*data.provenance, f"{len(residual)} modes of the {source}"),
+        provenance=(*data.provenance, f"{len(residual)} residual modes: {source}"),
     )
 
 

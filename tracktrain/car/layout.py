@@ -110,10 +110,9 @@ class Layout:
         """The instances that move: the carbody and the trucks."""
         return (self.carbody, *(truck.instance for truck in self.trucks))
 
-    @property
-    def coordinates(self) -> tuple[str, ...]:
-        """The coordinates of the carbody (8) and of each truck (6)."""
-        counts = {"carbody": 8, "truck": 6}
+    def coordinates(self, modes: int = 8) -> tuple[str, ...]:
+        """The coordinates of the carbody (its modes) and of each truck (6)."""
+        counts = {"carbody": modes, "truck": 6}
         return tuple(
             f"{name}.q[{i}]"
             for name in self.bodies

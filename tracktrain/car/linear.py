@@ -6,9 +6,9 @@ roots, shapes = car.modes(speed=24.4)
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 import casadi as ca
@@ -16,6 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus import BLOCKS
+from fmus.carbody.default_data import default_data, outlined
+from fmus.carbody.modal import ModalCarbody
+from fmus.carbody.modal_data import ModalData
 from fmus.describe.block import Block
 from fmus.truck.mass import mass_matrix
 from fmus.truck.ports import ELEMENTS
@@ -58,7 +61,8 @@ class LinearCar:
 
     car: one of `CARS`; changes: values [SI] instead of the set's, by "block.parameter" or
     "parameter" for all blocks that have it. friction: a name of `FRICTION`, or kinds by element.
-    omega [rad/s]: frequency that the dampers of (7-7) are made for.
+    omega [rad/s]: frequency that the dampers of (7-7) are made for. carbody: modal data instead of
+    the default's shapes and numbers.
 
     Raises HopperError for a parameter, an element or a kind of friction that is not known.
     """
@@ -69,16 +73,24 @@ class LinearCar:
         changes: Mapping[str, float] | None = None,
         friction: str | Mapping[str, str] = "stuck",
         omega: float = 2 * np.pi,
+        carbody: ModalData | None = None,
     ) -> None:
         self.car, self.friction, self.omega = car, _kinds(friction), omega
+        self.carbody = carbody
         self.layout = vehicle(car).layout
         self._blocks, given = _blocks(), parameters_of(car)
+        if carbody is not None:
+            block = ModalCarbody(carbody)
+            self._blocks = {**self._blocks, "carbody": block}
+            given["carbody"] = block.given.values(block)
         self._values = {name: given[name] for name in self._blocks}
         for name, value in (changes or {}).items():
             self._change(name, value)
         law = int(self._values["wheelrail"]["creep_law"])
-        self._numerical, self._slope = _functions(self.layout, law, tuple(self.friction.items()))
-        self.states = _states(self.layout)
+        self._numerical, self._slope = _functions(
+            self.layout, tuple(self._blocks.items()), law, tuple(self.friction.items())
+        )
+        self.states = _states(self.layout, self._blocks)
 
     def _change(self, name: str, value: float) -> None:
         block, _, parameter = name.partition(".")
@@ -107,6 +119,12 @@ class LinearCar:
     def values(self, block: str) -> dict[str, float]:
         """Parameter values [SI] of a block as this car has them."""
         return dict(self._values[block])
+
+    @property
+    def body(self) -> ModalData:
+        """The carbody as modal data that can be drawn."""
+        given = self.carbody
+        return default_data(self.values("carbody")) if given is None else outlined(given)
 
     def _arguments(self, speed: float, changes: Mapping[str, float]) -> list[Any]:
         values = (
@@ -160,8 +178,8 @@ class LinearCar:
         return found, along(seed)
 
     def coordinates(self, shapes: Complex) -> Complex:
-        """The rows of shapes (states, ...) that are the layout's coordinates, in its order."""
-        return shapes[[self.states.index(name) for name in self.layout.coordinates]]
+        """The rows of shapes (states, ...) that are coordinates, those of the carbody first."""
+        return shapes[[place for place, name in enumerate(self.states) if ".q[" in name]]
 
     def energies(self, shape: Complex) -> dict[str, float]:
         """Share of the kinetic energy of a mode in each coordinate, by "instance.q[i]"."""
@@ -203,26 +221,27 @@ def _blocks() -> dict[str, Block]:
     return {name: BLOCKS[name]() for name in ("carbody", "truck", "wheelrail")}
 
 
-def _block(layout: Layout, instance: str) -> Block:
-    return _blocks()[layout.blocks[instance]]
-
-
-def _states(layout: Layout) -> tuple[str, ...]:
+def _states(layout: Layout, blocks: Mapping[str, Block]) -> tuple[str, ...]:
     return tuple(
-        f"{i}.{state.name}" for i in layout.bodies for state in _block(layout, i).continuous
+        f"{i}.{state.name}" for i in layout.bodies for state in blocks[layout.blocks[i]].continuous
     )
 
 
-@cache
+@lru_cache(maxsize=16)
 def _functions(
-    layout: Layout, law: int, friction: tuple[tuple[str, str], ...]
+    layout: Layout,
+    listed: tuple[tuple[str, Block], ...],
+    law: int,
+    friction: tuple[tuple[str, str], ...],
 ) -> tuple[ca.Function, ca.Function]:
     """(parameters of each block, omega, speed) -> A, and its derivative along a direction of the
     parameters and the speed, for a creep law and kinds of friction."""
-    p = {name: ca.SX.sym(f"p_{name}", len(b.parameters)) for name, b in _blocks().items()}
+    blocks = dict(listed)
+    p = {name: ca.SX.sym(f"p_{name}", len(b.parameters)) for name, b in blocks.items()}
     omega, speed = ca.SX.sym("omega"), ca.SX.sym("speed")
-    stuck = _jacobian(layout, p, speed, law)
-    matrix = ca.densify(_with_friction(layout, stuck, p["truck"], dict(friction), omega))
+    stuck = _jacobian(layout, blocks, p, speed, law)
+    states = _states(layout, blocks)
+    matrix = ca.densify(_with_friction(states, stuck, p["truck"], dict(friction), omega))
     along = ca.vertcat(*p.values(), speed)
     seed = ca.SX.sym("seed", along.numel())
     slope = ca.reshape(ca.jtimes(ca.vec(matrix), along, seed), *matrix.shape)
@@ -233,17 +252,22 @@ def _functions(
     )
 
 
-def _jacobian(layout: Layout, p: Mapping[str, ca.SX], speed: ca.SX, law: int) -> ca.SX:
+def _jacobian(
+    layout: Layout,
+    blocks: Mapping[str, Block],
+    p: Mapping[str, ca.SX],
+    speed: ca.SX,
+    law: int,
+) -> ca.SX:
     """A with friction stuck, by closing the connections symbolically."""
+    own = {instance: blocks[kind] for instance, kind in layout.blocks.items() if kind in blocks}
     source = {c.target: c.source for c in layout.connections()}
-    derived = {name: block.functions.derived(p[name]) for name, block in _blocks().items()}
-    x = {
-        name: ca.SX.sym(f"x_{name}", len(_block(layout, name).continuous)) for name in layout.bodies
-    }
+    derived = {name: block.functions.derived(p[name]) for name, block in blocks.items()}
+    x = {name: ca.SX.sym(f"x_{name}", len(own[name].continuous)) for name in layout.bodies}
     known: dict[tuple[str, frozenset[int]], ca.SX] = {}
 
     def arguments(instance: str, needed: frozenset[int]) -> list[ca.SX]:
-        block, kind = _block(layout, instance), layout.blocks[instance]
+        block, kind = own[instance], layout.blocks[instance]
         memory = ca.SX.zeros(len(block.memory))
         state = ca.vertcat(x.get(instance, ca.SX(0, 1)), memory)
         inputs = ca.SX([port.start for port in block.inputs])
@@ -257,7 +281,7 @@ def _jacobian(layout: Layout, p: Mapping[str, ca.SX], speed: ca.SX, law: int) ->
         instance, _, variable = name.partition(".")
         if instance == layout.track:
             return speed if name == layout.speed else ca.SX(0)
-        block = _block(layout, instance)
+        block = own[instance]
         # Of a block with a choice of laws the one that is chosen: only that has plain expressions.
         laws = block.output_branches() if block.switch else []
         function = laws[law - 1] if laws else block.functions.outputs
@@ -271,15 +295,15 @@ def _jacobian(layout: Layout, p: Mapping[str, ca.SX], speed: ca.SX, law: int) ->
 
     rates = []
     for instance in layout.bodies:
-        every = frozenset(range(len(_block(layout, instance).inputs)))
-        rates.append(_block(layout, instance).functions.derivative(*arguments(instance, every)))
+        every = frozenset(range(len(own[instance].inputs)))
+        rates.append(own[instance].functions.derivative(*arguments(instance, every)))
     all_x = ca.vertcat(*x.values())
     slope = ca.jacobian(ca.vertcat(*rates), all_x)
     return ca.substitute(slope, all_x, ca.SX.zeros(*all_x.shape))
 
 
 def _with_friction(
-    layout: Layout, stuck: ca.SX, p: ca.SX, friction: Mapping[str, str], omega: ca.SX
+    states: Sequence[str], stuck: ca.SX, p: ca.SX, friction: Mapping[str, str], omega: ca.SX
 ) -> ca.SX:
     """A with the elements' friction as it is to stand for.
 
@@ -288,7 +312,6 @@ def _with_friction(
     unit damper does.
     """
     names = [parameter.name for parameter in _blocks()["truck"].parameters]
-    states = _states(layout)
 
     def of(element: str, which: str) -> ca.SX:
         return p[names.index(f"{element}.{which}")]

@@ -23,6 +23,7 @@ TUNED = 60 * FOOT
 CARBODY = (
     "lateral", "bounce", "roll", "yaw", "pitch", "torsion", "lateral bending", "vertical bending",
 )  # fmt: skip
+RIGID = 5
 TRUCK = ("lateral", "yaw", "bolster roll", "warp", "bolster lateral", "bolster bounce")
 """The coordinates of both blocks, by which modes are named."""
 
@@ -74,10 +75,17 @@ def name_of(linear: LinearCar, shape: Complex) -> str:
         instance, _, place = coordinate.partition(".q[")
         own = instance == linear.layout.carbody
         number = int(place[:-1]) - 1
-        name = CARBODY[number] if own else f"truck {TRUCK[number]}"
+        name = _carbody(linear)[number] if own else f"truck {TRUCK[number]}"
         shares[name] = shares.get(name, 0.0) + share
     first, second = sorted(shares.items(), key=lambda item: -item[1])[:2]
     return f"{first[0]} + {second[0]}" if second[1] >= SECOND else first[0]
+
+
+def _carbody(linear: LinearCar) -> tuple[str, ...]:
+    """Names of the carbody's coordinates: those of modal data have their modes' names."""
+    if linear.carbody is None:
+        return CARBODY
+    return (*CARBODY[:RIGID], *(mode.name.replace("_", " ") for mode in linear.carbody.modes))
 
 
 def follow(linear: LinearCar, speeds: Array, progress: Progress = unseen) -> list[Branch]:

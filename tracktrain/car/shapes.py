@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from io import BytesIO
 from typing import Any
@@ -13,21 +13,16 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
-from fmus.carbody.modes import beam_shape
+from fmus.carbody.modal_data import ModalData
+from fmus.carbody.modes import rigid_shape
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-COUNT = 20
-"""Coordinates that the wire frame moves with: 8 of the carbody, then 6 of each truck."""
+RIGID, TRUCK_COORDINATES = 5, 6
+"""Coordinates that the wire frame moves with, besides the elastic modes of the carbody."""
 
 FRAMES = 24
 """Pictures of one cycle."""
-
-HEIGHT, HALF_WIDTH = 2.4, 1.5
-"""Of the drawn carbody above its centre plates, and across [m]; for the eye only."""
-
-FLOOR = ((0.0, 0.17, 0.33, 0.5, 1.0), (0.3, -0.3, -0.3, 0.2, 1.6))
-"""The hoppers' floor: shares of half the length, and height there above the centre plates [m]."""
 
 WHEEL_RADIUS = 0.42
 """[m]; for the eye only."""
@@ -51,72 +46,56 @@ class Line:
     part: str
 
 
-def wire_frame(
-    shape: ArrayLike, carbody: Mapping[str, float], truck: Mapping[str, float]
-) -> list[Line]:
+def wire_frame(shape: ArrayLike, carbody: ModalData, truck: Mapping[str, float]) -> list[Line]:
     """The car's lines with the displacement of a mode.
 
-    shape: complex amplitudes of the coordinates (`COUNT`,); carbody, truck: parameters [SI].
+    shape: complex amplitudes of the coordinates, those of the carbody (rigid, elastic) before 6 of
+    each truck; carbody: its lines are the edges; truck: parameters [SI].
     """
     q = np.asarray(shape)
-    middle = carbody["half_truck_spacing"]
+    own, middle = len(q) - 2 * TRUCK_COORDINATES, carbody.half_truck_spacing
+    front, rear = np.split(q[own:], 2)
     return [
-        *_carbody(q[:8], carbody),
-        *_truck(q[8:14], middle, truck),
-        *_truck(q[14:], -middle, truck),
+        *_carbody(q[:own], carbody),
+        *_truck(front, middle, truck),
+        *_truck(rear, -middle, truck),
     ]
 
 
-def unit_motions(
-    carbody: Mapping[str, float], truck: Mapping[str, float]
-) -> tuple[list[Line], Array]:
+def unit_motions(carbody: ModalData, truck: Mapping[str, float]) -> tuple[list[Line], Array]:
     """The wire frame at rest, and the displacement of its points per unit of each coordinate.
 
     Shape (coordinates, points, 3), in the order of the lines' points: motion is linear in the
     coordinates, so that these tell every motion of the car.
     """
-    frames = [wire_frame(shape, carbody, truck) for shape in np.eye(COUNT)]
+    count = RIGID + len(carbody.modes) + 2 * TRUCK_COORDINATES
+    frames = [wire_frame(shape, carbody, truck) for shape in np.eye(count)]
     motions = [np.concatenate([line.motion.real for line in frame]) for frame in frames]
     return frames[0], np.array(motions)
 
 
-def _carbody(q: Complex, p: Mapping[str, float]) -> Iterator[Line]:
-    """Sections along the body, and the lines between their corners."""
-    stations = np.linspace(-p["body_length"] / 2, p["body_length"] / 2, 13)
-    h = p["gravity_centre_height"]
-    corners = ((-1, False), (1, False), (1, True), (-1, True))
-
-    def point(x: float, corner: tuple[int, bool]) -> tuple[Array, Complex]:
-        side, upper = corner
-        floor = np.interp(2 * abs(x) / p["body_length"], *FLOOR)
-        y, z = side * HALF_WIDTH, HEIGHT if upper else float(floor)
-        return np.array([x, y, z]), _body_motion(q, p, x, y, z - h)
-
-    for corner in corners:
-        ends = [point(x, corner) for x in stations]
-        yield Line(np.array([e[0] for e in ends]), np.array([e[1] for e in ends]), "carbody")
-    for x in stations[::3]:
-        ring = [point(x, corner) for corner in (*corners, corners[0])]
-        yield Line(np.array([e[0] for e in ring]), np.array([e[1] for e in ring]), "carbody")
-    sill = [(np.array([x, 0.0, 0.0]), _body_motion(q, p, x, 0.0, -h)) for x in stations[::2]]
-    yield Line(np.array([e[0] for e in sill]), np.array([e[1] for e in sill]), "carbody")
+def _carbody(q: Complex, data: ModalData) -> Iterator[Line]:
+    """The edges of the data, joined where one begins at the other's end; the plates are at 0."""
+    every = [point.name for point in data.points]
+    place = {name: number for number, name in enumerate(every)}
+    rigid = np.stack([rigid_shape(data, name)[:3] for name in every])  # (points, 3, rigid modes)
+    moved = rigid @ q[:RIGID] + np.tensordot(data.shapes[:, :, :3], q[RIGID:], axes=(0, 0))
+    at = np.array([point.position for point in data.points])
+    at[:, 2] += data.gravity_centre_height
+    for line in _joined(data.edges):
+        own = [place[name] for name in line]
+        yield Line(at[own], moved[own], "carbody")
 
 
-def _body_motion(q: Complex, p: Mapping[str, float], x: float, y: float, above: float) -> Complex:
-    """Displacement of a point at (x, y), `above` the centre of gravity [m], by the modes' shapes.
-
-    Torsion is drawn linear along the body, as large at the centre plates as the block has it.
-    """
-    root_mass = p["body_mass"] ** 0.5
-    bending, _ = beam_shape(np.array(x), p["body_length"])
-    roll = q[2] / p["roll_inertia"] ** 0.5
-    roll += p["torsion_shape"] * x / p["half_truck_spacing"] * q[5] / p["roll_inertia"] ** 0.5
-    yaw, pitch = q[3] / p["yaw_inertia"] ** 0.5, q[4] / p["pitch_inertia"] ** 0.5
-    lateral = (q[0] + bending * q[6]) / root_mass
-    vertical = (q[1] + bending * q[7]) / root_mass
-    return np.array(
-        [pitch * above - yaw * y, lateral + yaw * x - roll * above, vertical - pitch * x + roll * y]
-    )
+def _joined(edges: Iterable[tuple[str, str]]) -> list[list[str]]:
+    """The edges as lines: an edge that begins where the last one ended goes on with its line."""
+    lines: list[list[str]] = []
+    for start, end in edges:
+        if lines and lines[-1][-1] == start:
+            lines[-1].append(end)
+        else:
+            lines.append([start, end])
+    return lines
 
 
 def _truck(q: Complex, middle: float, p: Mapping[str, float]) -> Iterator[Line]:

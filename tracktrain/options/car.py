@@ -124,6 +124,17 @@ def fmu_option(block: str) -> Option:
     )
 
 
+def carbody_option() -> Option:
+    """--carbody, a carbody of one's own."""
+    return click.option(
+        "--carbody",
+        type=click.Path(path_type=Path, dir_okay=False),
+        metavar="FILE",
+        help="A carbody of your own: modes as TOML or CSV, or the FMU that `tracktrain carbody` "
+        "makes of them. Its own numbers count; --car gives what the file does not.",
+    )
+
+
 def swap_option(**more: Any) -> Option:
     """--swap, FMUs in the place of instances."""
     return click.option(

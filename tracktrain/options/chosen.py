@@ -15,7 +15,15 @@ from fmus.names import NAMES
 
 from ..car.hopper import REPORT_SPEED, instances
 from ..errors import TracktrainError
-from .car import car_option, seed_option, set_option, speed_option, swap_option, track_option
+from .car import (
+    car_option,
+    carbody_option,
+    seed_option,
+    set_option,
+    speed_option,
+    swap_option,
+    track_option,
+)
 from .fields import adding
 from .types import Assignment, Quantity
 
@@ -27,7 +35,7 @@ Assigned = tuple[str, str, str]
 DURATION, STEP = 8.0, 1e-3
 """Of a run of the hopper car [s]."""
 
-CAR_ONLY = ("car", "speed", "speed_profile", "track", "seed", "initials")
+CAR_ONLY = ("car", "speed", "speed_profile", "track", "seed", "initials", "carbody")
 """Options that make no sense for a system from a file."""
 
 _OPTIONS = (
@@ -73,6 +81,7 @@ _OPTIONS = (
         metavar='INSTANCE.COORDINATE="VALUE UNIT"',
         help="Displace a truck or the carbody at the start. Repeatable.",
     ),
+    carbody_option(),
     swap_option(),
     click.option(
         "--map",
@@ -102,6 +111,7 @@ class Shape:
     step: float | None = None
     settings: Sequence[Assigned] = ()
     initials: Sequence[Assigned] = ()
+    carbody: Path | None = None
     swaps: Sequence[Assigned] = ()
     maps: Sequence[Assigned] = ()
     drives: Sequence[Assigned] = ()
@@ -119,7 +129,12 @@ def chosen_car(shape: Shape) -> System:
     from ..car import changes, hopper
 
     system = hopper.hopper_car(shape.car, shape.speed, shape.track, shape.seed)
-    notes = []
+    notes: list[str] = []
+    if shape.carbody is not None:
+        from ..car.carbody import with_carbody
+
+        system, said = with_carbody(system, shape.carbody, shape.car)
+        notes += said
     port_maps = _port_maps(shape)
     for instance, _, given in shape.swaps:
         system, said = changes.swapped(system, instance, _fmu(given), port_maps.get(instance))

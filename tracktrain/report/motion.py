@@ -10,12 +10,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from fmus.carbody.default_data import default_data, is_outline, outlined
+from fmus.carbody.modal_data import ModalData
 from orchestrator import Provenance
 
+from ..car.carbody import carbody_of
 from ..car.hopper import layout_of
 from ..car.linear import LinearCar
 from ..car.modes import name_of
-from ..car.shapes import unit_motions
+from ..car.shapes import RIGID, unit_motions
 from ..results import mean_speed
 
 Array = NDArray[np.float64]
@@ -33,13 +36,14 @@ def scene(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Array]] | None
     coordinates), rails (frames, 4) [m] as in `Layout.rails`, way (frames) [m].
     """
     layout = layout_of(dataset)
-    coordinates, rails = layout.coordinates, layout.rails.values()
-    body, truck = (_parameters(dataset, name) for name in (layout.carbody, layout.front.instance))
-    if any(name not in dataset for name in (*coordinates, *rails, layout.distance)):
-        return None
+    truck = _parameters(dataset, layout.front.instance)
     try:
+        body = _body(dataset)
         lines, motions = unit_motions(body, truck)
     except KeyError:
+        return None
+    coordinates, rails = layout.coordinates(RIGID + len(body.modes)), layout.rails.values()
+    if any(name not in dataset for name in (*coordinates, *rails, layout.distance)):
         return None
     time = dataset["time"].values
     count = int(min(max((time[-1] - time[0]) * RATE + 1, 2), FRAMES))
@@ -54,7 +58,8 @@ def scene(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Array]] | None
         "step": float((frames[-1] - frames[0]) / (count - 1)),
         "railHeight": -truck["centre_plate_height"],
         "halfGauge": truck["half_contact_spacing"],
-        "firstAxle": body["half_truck_spacing"] + truck["half_wheelbase"],
+        "firstAxle": body.half_truck_spacing + truck["half_wheelbase"],
+        "panels": is_outline(body),
         "coordinates": coordinates,
     }
     return drawing, {
@@ -75,15 +80,15 @@ def modes(dataset: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, Array]] 
     speed = mean_speed(dataset)
     if speed is None:
         return None
-    linear = LinearCar()
+    linear, body = LinearCar(), carbody_of(dataset)
     changes: dict[str, float] = {}
-    for block in ("carbody", "truck", "wheelrail"):
+    for block in ("truck", "wheelrail", *(() if body else ("carbody",))):
         given = _parameters(dataset, layout_of(dataset).instances(block)[0])
         known = linear.values(block)
         if not given.keys() & known.keys():
             return None
         changes |= {f"{block}.{name}": v for name, v in given.items() if name in known}
-    linear = LinearCar(changes=changes)
+    linear = LinearCar(changes=changes, carbody=body)
     roots, shapes = linear.modes(speed)
     slow = np.flatnonzero(roots.imag < 2 * pi * HIGHEST)
     found = [
@@ -96,6 +101,14 @@ def modes(dataset: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, Array]] 
     ]
     chosen = linear.coordinates(shapes)[:, slow].T
     return found, {"modes": np.stack([chosen.real, chosen.imag], axis=1)}
+
+
+def _body(dataset: xr.Dataset) -> ModalData:
+    """What is drawn of the carbody; raises KeyError where the run does not have its parameters."""
+    data = carbody_of(dataset)
+    if data is not None:
+        return outlined(data)
+    return default_data(_parameters(dataset, layout_of(dataset).carbody))
 
 
 def _parameters(dataset: xr.Dataset, instance: str) -> Mapping[str, float]:

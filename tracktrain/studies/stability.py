@@ -219,7 +219,7 @@ def _drawn(linear: LinearCar, speed: float, word: str) -> tuple[list[Line], str]
         f"{word} mode: {root.imag / (2 * pi):.2f} Hz, damping ratio "
         f"{-root.real / abs(root):+.3f}, at {speed / FOOT:.0f} ft/s"
     )
-    return wire_frame(shape, linear.values("carbody"), linear.values("truck")), title
+    return wire_frame(shape, linear.body, linear.values("truck")), title
 
 
 def _dataset(branches: Sequence[Branch], speeds: np.ndarray, car: str, friction: str) -> xr.Dataset:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
@@ -102,6 +103,11 @@ def _shape(options: Mapping[str, Any], axes: Sequence[Axis]) -> dict[str, Any]:
     return shape
 
 
+def _digest(path: Path | None) -> str:
+    """What a file holds, in short."""
+    return "" if path is None else hashlib.sha256(path.read_bytes()).hexdigest()
+
+
 def _asked(
     axes: Sequence[Axis], shape: Mapping[str, Any], outputs: Sequence[str] | None
 ) -> dict[str, Any]:
@@ -117,5 +123,6 @@ def _asked(
         "over": {axis.label: axis.values for axis in axes},
         "options": shape,
         "outputs": outputs or list(printed),
+        "carbody": _digest(shape.get("carbody")),
         "FMUs": {path.name: describe(path).sha256 for path in sorted(fmus)},
     }

@@ -71,7 +71,7 @@ def test_run_draws_assesses_and_reports(command, ran):
     command(f"report {ran}")
     page = (ran / "report.html").read_text()
     known = json.loads(page.split('id="known">')[1].split("<")[0])
-    assert known["scene"]["coordinates"] == list(OTHER.coordinates)
+    assert known["scene"]["coordinates"] == list(OTHER.coordinates())
     assert known["modes"] and known["first"][0] == "w1.force_y"
 
 

@@ -7,6 +7,7 @@ import gzip
 import html
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,16 +15,15 @@ import pytest
 import xarray as xr
 from click.testing import CliRunner
 
-from tracktrain.car.shapes import COUNT, unit_motions, wire_frame
+from fmus.carbody.default_data import outlined
+from fmus.carbody.modal_data import Point
+from support.modal import random_data
+from tracktrain.car.shapes import unit_motions, wire_frame
 from tracktrain.cli.main import main
 from tracktrain.report import page, series
 from tracktrain.report.motion import modes, scene
 from tracktrain.report.packing import envelope, envelope_time, packed
 
-BODY = {
-    "body_length": 13.0, "gravity_centre_height": 1.5, "body_mass": 9e4, "roll_inertia": 1e5,
-    "pitch_inertia": 1e6, "yaw_inertia": 1e6, "torsion_shape": 1.2, "half_truck_spacing": 5.0,
-}  # fmt: skip
 TRUCK = {
     "half_wheelbase": 0.86, "half_side_frame_spacing": 0.99, "half_contact_spacing": 0.76,
     "centre_plate_height": 0.65,
@@ -38,13 +38,25 @@ def plain(rows: int = 400) -> xr.Dataset:
 
 
 def test_motions_of_the_wire_frame_add_up_to_any_shape() -> None:
-    lines, motions = unit_motions(BODY, TRUCK)
     rng = np.random.default_rng(3)
-    shape = rng.normal(size=(COUNT, 2)) @ [1, 1j]
-    whole = np.concatenate([line.motion for line in wire_frame(shape, BODY, TRUCK)])
+    body = outlined(random_data(rng, count=4))
+    lines, motions = unit_motions(body, TRUCK)
+    shape = rng.normal(size=(5 + 4 + 2 * 6, 2)) @ [1, 1j]
+    whole = np.concatenate([line.motion for line in wire_frame(shape, body, TRUCK)])
     summed = np.tensordot(shape, motions, axes=1)
     np.testing.assert_allclose(summed, whole, atol=1e-12)
     assert sum(len(line.points) for line in lines) == motions.shape[1]
+
+
+def test_the_structure_of_modal_data_is_drawn_edge_by_edge_where_its_points_are() -> None:
+    points = [Point("a", 1.0, 0.5, 0.2), Point("b", 2.0, 0.5, 0.2), Point("c", 2.0, 0.0, 0.2)]
+    data = random_data(np.random.default_rng(3), points=points)
+    data = replace(data, edges=(("a", "b"), ("b", "c"), ("a", "c")))
+    lines, motions = unit_motions(data, TRUCK)
+    joined, single = (line for line in lines if line.part == "carbody")
+    np.testing.assert_allclose(joined.points[2], [2.0, 0.0, 0.2 + 1.4])  # above the plates
+    assert len(single.points) == 2
+    np.testing.assert_allclose(motions[5:11, 1], data.at("b")[:, 0, :3])  # after five rigid modes
 
 
 def test_packed_numbers_come_back() -> None:
@@ -119,7 +131,7 @@ def test_run_writes_its_page_with_all_that_it_is_made_of(hopper_run: Path) -> No
         assert "radius of gyration of 41.6 in" in text  # a parameter's source
         assert "truck_rear.car.moment_z * carbody.rear.wz" in text  # a bond
         drawing, arrays = scene(dataset) or pytest.fail("no scene")
-        assert arrays["coordinates"].shape == (101, COUNT)
+        assert arrays["coordinates"].shape == (101, 20)
         assert arrays["way"][-1] == pytest.approx(18.288)
         named, _ = modes(dataset) or pytest.fail("no modes")
         assert any(mode["name"] == "torsion" or "roll" in mode["name"] for mode in named)

@@ -81,7 +81,7 @@ class Scene {
       if (part === "carbody") bodies.push(line);
       shapes.push({ line, part, depth: mean(line) - (part === "carbody" ? 0 : 0.01) });
     }
-    shapes.push(...this.panels(bodies));
+    if (this.drawing.panels) shapes.push(...this.panels(bodies));
     shapes.sort((a, b) => b.depth - a.depth);
     for (const shape of shapes) this.paint(shape);
   }

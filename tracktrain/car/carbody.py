@@ -1,0 +1,92 @@
+"""A carbody of one's own: from modal data or its FMU into a car, and back from a run's results."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import platformdirs
+
+from fmus.carbody.modal_data import ModalData
+from fmus.carbody.modal_files import read_modal_data, write_modal_data
+from fmus.carbody.residual import with_residual_modes
+from fmus.describe.parameters import parameter_set
+from fmus.errors import ParameterError
+from fmus.export.carbody import carbody_fmu
+from orchestrator import Provenance, System, describe
+
+from .changes import swapped
+from .hopper import layout_of, vehicle
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+GRAVITY = 9.80665
+"""[m/s2]"""
+
+WEIGHT_TOLERANCE = 0.02
+"""Part of the weight by which carbody and trucks may differ before it is said."""
+
+KNOWN = platformdirs.user_cache_path("tracktrain") / "carbodies"
+"""Modal data of the carbodies that ran here, by the SHA-256 of their FMU."""
+
+
+def carbody_data(path: Path | str, car: str = "loaded") -> ModalData:
+    """Modal data of a file (.toml, .csv, .fmu), ready for a block.
+
+    A residual flexibility is in it as modes. car: of `CARS`, gives what the file does not. Raises
+    fmus.ParameterError.
+    """
+    return with_residual_modes(read_modal_data(path, parameter_set(vehicle(car).parameters)))
+
+
+def with_carbody(
+    system: System, carbody: ModalData | Path | str, car: str = "loaded"
+) -> tuple[System, list[str]]:
+    """The car with a carbody of modal data, a file of such (.toml, .csv) or its FMU; and notes.
+
+    The numbers of the body are those of the data, not the car's; the FMU of data is built when it
+    is first asked for. car: of `CARS`, gives what a file does not. Raises fmus.ParameterError,
+    HopperError for an FMU that lacks ports.
+    """
+    instance = layout_of(system).carbody
+    if isinstance(carbody, ModalData):
+        data, fmu = with_residual_modes(carbody), None
+    else:
+        data = carbody_data(carbody, car)
+        fmu = Path(carbody) if Path(carbody).suffix.lower() == ".fmu" else None
+    path = fmu or carbody_fmu(data)
+    KNOWN.mkdir(parents=True, exist_ok=True)
+    write_modal_data(data, KNOWN / f"{describe(path).sha256}.toml")
+    swap, _ = swapped(system, instance, path)
+    own = replace(swap.components[instance], parameters={})
+    system = replace(swap, components={**swap.components, instance: own})
+    said = f"carbody {data.name}: {len(data.modes)} elastic modes, {data.frequencies.min():.4g} "
+    said += f"to {data.frequencies.max():.4g} Hz; {'; '.join(data.provenance)}"
+    return system, [said, *_weight(system, data)]
+
+
+def carbody_of(dataset: xr.Dataset) -> ModalData | None:
+    """Modal data of a run's carbody; None for the default one, or where they are not known here."""
+    given = Provenance.of(dataset).fmus.get(layout_of(dataset).carbody, {})
+    path = KNOWN / f"{given.get('sha256', '')}.toml"
+    try:
+        return read_modal_data(path) if path.exists() else None
+    except ParameterError:
+        return None
+
+
+def _weight(system: System, data: ModalData) -> list[str]:
+    """What is to be said where the trucks are made for another weight."""
+    trucks = [truck.instance for truck in layout_of(system).trucks]
+    carried = [system.components[name].parameters.get("centre_plate_weight") for name in trucks]
+    plain = [weight for weight in carried if isinstance(weight, float)]
+    own, on_trucks = data.body.mass * GRAVITY, sum(plain)
+    if len(plain) < len(trucks) or abs(own - on_trucks) <= WEIGHT_TOLERANCE * own:
+        return []
+    return [
+        f"carbody {data.name} weighs {own / 1e3:.4g} kN, and {', '.join(trucks)} carry "
+        f"{on_trucks / 1e3:.4g} kN (centre_plate_weight); take another --car, or set "
+        "the trucks' centre_plate_weight and axle_load"
+    ]
