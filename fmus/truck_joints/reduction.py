@@ -57,7 +57,9 @@ def analog(values: Values) -> dict[str, dict[str, float]]:
     rows = np.array(ca.evalf(ca.densify(shares(numbers))))
     found = {}
     for i, shape in enumerate(SHAPES):
-        strained = [(abs(row[i]), e.parameters) for row, e in zip(rows, ELEMENTS, strict=True)]
+        strained = [
+            (float(abs(row[i])), e.parameters) for row, e in zip(rows, ELEMENTS, strict=True)
+        ]
         strained = [(share, name) for share, name in strained if share]
 
         def total(kind: str, power: int, parts: Sequence[tuple[float, str]] = strained) -> float:
