@@ -18,6 +18,7 @@ STEP = 1e-3
 INPUTS = {
     "carbody": {"front.force_y": 2e4, "rear.moment_z": -1e4},
     "truck": {"axle[1].force_y": 3e4, "car.y": 2e-3},
+    "truck_joints": {"axle[1].force_y": 3e4, "car.y": 2e-3},
     "wheelrail": {"y": 2e-3, "vy": 0.02, "load_left": 1e5, "load_right": 1e5},
     "track": {"speed": 31.0},
 }

@@ -81,7 +81,8 @@ def test_a_unit_that_is_not_si_is_refused():
 
 def test_generated_functions_are_small_enough_to_read(block_name):
     """A micro step that suddenly grows tenfold has lost its sparsity or its shared terms."""
-    functions = generated_functions(BLOCKS[block_name]())
+    block = BLOCKS[block_name]()
+    functions, size = generated_functions(block), max(1, len(block.memory) / 6)  # in elements
     beyond = functions.pop("step_beyond", None)  # with the roots of every contact in each stage
-    assert beyond is None or beyond.n_instructions() < 10_000
-    assert all(f.n_instructions() < 6000 for f in functions.values())
+    assert beyond is None or beyond.n_instructions() < 10_000 * size
+    assert all(f.n_instructions() < 6000 * size for f in functions.values())
