@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 EXAMPLES = Path(__file__).parent.parent / "examples"
 
 
@@ -40,4 +42,15 @@ def test_hunting_dies_out_below_the_critical_speed(tmp_path):
     amplitude = [float(line.split(":")[1].split()[0]) for line in printed.splitlines()]
     assert amplitude == sorted(amplitude, reverse=True)
     assert amplitude[0] > 5.0 and amplitude[-1] < 0.2 * amplitude[0]  # mm
+    assert picture.stat().st_size > 10_000
+
+
+@pytest.mark.slow
+def test_a_truck_from_another_code_moves_as_the_same_joints_do_here(tmp_path):
+    """Exudyn's bodies, springs and friction, packaged by pythonfmu."""
+    pytest.importorskip("exudyn")
+    picture = tmp_path / "trucks.png"
+    verdict, joints, six, _ = printed_by("truck_of_another_house.py", picture).splitlines()
+    assert verdict.startswith("Trust: good") and "passed their self-test" in verdict
+    assert float(joints.split()[-2]) < 0.5 < float(six.split()[-2]) < 5.0  # %
     assert picture.stat().st_size > 10_000

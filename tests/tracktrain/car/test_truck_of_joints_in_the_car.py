@@ -6,12 +6,14 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from fmus.catalogue import fmu_path
 from fmus.truck_joints.reduction import RIGID, analog
 from orchestrator import Run, simulate
 from tracktrain.car.changes import swapped
 from tracktrain.car.hopper import hopper_car, parameters_of
+from tracktrain.cli.main import main
 
 pytestmark = pytest.mark.slow  # its FMU is built first
 
@@ -60,3 +62,15 @@ def test_the_car_with_the_shipped_joints_runs_and_is_trusted():
     assert run.completed
     assert run.verdict.level.value == "good", run.verdict
     assert float(np.abs(run.dataset["truck_front.joint_force[11]"]).max()) > 0.0
+
+
+def test_it_is_swapped_in_and_built_by_its_name(tmp_path):
+    for line in (
+        f"build truck_joints --fmi 2.0 --out {tmp_path}",
+        f"run --swap truck_front=truck_joints --duration 0.01s --out {tmp_path / 'run'}",
+        f"fmu check {tmp_path / 'truck_joints.fmu'} --as truck",
+        f"fmu test {tmp_path / 'truck_joints.fmu'}",
+    ):
+        result = CliRunner().invoke(main, line.split())
+        assert result.exit_code == 0, result.output
+    assert [path.name for path in tmp_path.glob("*.fmu")] == ["truck_joints.fmu"]
