@@ -1,0 +1,208 @@
+"""Stiffness and mass of a model's elements, by pyfe3d.
+
+Thin shells Quad4 and Tria3R, beams BeamC, bars Truss: each puts its matrices in global axes, six
+degrees of freedom a node. All of them are added up.  # report (3-7), (3-8)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+from pyfe3d import (
+    BeamC,
+    BeamCData,
+    BeamCProbe,
+    Quad4,
+    Quad4Data,
+    Quad4Probe,
+    Tria3R,
+    Tria3RData,
+    Tria3RProbe,
+    Truss,
+    TrussData,
+    TrussProbe,
+)
+from pyfe3d.beamprop import BeamProp
+from pyfe3d.shellprop_utils import isotropic_plate
+from scipy.sparse import coo_matrix, csc_matrix
+
+from .assembled import Structure
+from .model import Array, Beam, Element, Ints, Model, Plate
+
+CLASSES = {
+    "quad": (Quad4, Quad4Data, Quad4Probe),
+    "triangle": (Tria3R, Tria3RData, Tria3RProbe),
+    "beam": (BeamC, BeamCData, BeamCProbe),
+    "bar": (Truss, TrussData, TrussProbe),
+}
+CONSISTENT = 0
+SEGMENTS = 8
+"""Uniform pieces that a tapered beam is made of."""
+
+
+def assembled(model: Model) -> Structure:
+    """Stiffness and consistent mass of all elements, and the masses on nodes."""
+    size = 6 * len(model.numbers)
+    parts = {"K": _Triplets(size), "M": _Triplets(size)}
+    for element in model.elements:
+        section = model.sections[element.section]
+        places = [model.index[node] for node in element.nodes]
+        corners = model.corners(element)
+        if isinstance(section, Beam) and section.end is not None:
+            stiffness, mass = _tapered(element, section, corners)
+        else:
+            stiffness, mass = matrices(element, section, corners)
+        degrees = np.add.outer(6 * np.array(places), np.arange(6)).ravel()
+        parts["K"].add(degrees, stiffness)
+        parts["M"].add(degrees, mass)
+    for one in model.masses:
+        degrees = 6 * model.index[one.node] + np.arange(6)
+        parts["M"].add(degrees, np.diag([one.mass] * 3 + list(one.inertia)))
+    return Structure(
+        model.name,
+        parts["K"].matrix(),
+        parts["M"].matrix(),
+        model.numbers,
+        model.positions,
+        {name: model.index[node] for name, node in model.places.items()},
+        [(e.part, tuple(model.index[n] for n in e.nodes)) for e in model.elements],
+    )
+
+
+def matrices(element: Element, section: Plate | Beam, corners: Array) -> tuple[Array, Array]:
+    """Stiffness and consistent mass of an element of uniform section, in global axes."""
+    kind, sizes, probe_type = CLASSES[element.kind]
+    probe, size = probe_type(), sizes()
+    own: Any = kind(probe)
+    count = len(corners)
+    for n in range(count):
+        setattr(own, f"n{n + 1}", n)
+        setattr(own, f"c{n + 1}", 6 * n)
+    own.init_k_KC0 = own.init_k_M = 0
+    flat = np.ascontiguousarray(corners, float).ravel()
+    if element.kind == "beam":
+        own.update_rotation_matrix(*_second_axis(element, corners), flat)
+    else:
+        own.update_rotation_matrix(flat)
+    own.update_probe_xe(flat)
+    prop = _shell(section) if isinstance(section, Plate) else _beam(section)
+    found = []
+    for name, length in (("KC0", size.KC0_SPARSE_SIZE), ("M", size.M_SPARSE_SIZE)):
+        rows, columns = (np.zeros(length, np.dtype("long")) for _ in range(2))
+        values = np.zeros(length)
+        update = getattr(own, f"update_{name}")
+        if name == "M":
+            update(rows, columns, values, prop, mtype=CONSISTENT)
+        else:
+            update(rows, columns, values, prop)
+        whole = coo_matrix((values, (rows, columns)), (6 * count, 6 * count)).toarray()
+        found.append((whole + whole.T) / 2)
+    return found[0], found[1]
+
+
+def _second_axis(element: Element, corners: Array) -> Array:
+    """A vector in the plane of a beam's axes x and y: y is square to `up` and to the beam."""
+    along = corners[1] - corners[0]
+    second = np.cross(np.array(element.up, float), along)
+    if np.linalg.norm(second) < 1e-6 * np.linalg.norm(along) * np.linalg.norm(element.up):
+        second = np.cross([1.0, 0.0, 0.0], along)  # a post: its section's z points along X
+    return second / np.linalg.norm(second)
+
+
+def _tapered(element: Element, section: Beam, corners: Array) -> tuple[Array, Array]:
+    """A beam of uniform pieces with the inner nodes condensed.  # report (4-5) to (4-9)"""
+    assert section.end is not None
+    steps = np.linspace(0.0, 1.0, SEGMENTS + 1)
+    points = corners[0] + steps[:, None] * (corners[1] - corners[0])
+    size = 6 * (SEGMENTS + 1)
+    stiffness, mass = np.zeros((size, size)), np.zeros((size, size))
+    for n, middle in enumerate((steps[:-1] + steps[1:]) / 2):
+        k, m = matrices(element, between(section, float(middle)), points[n : n + 2])
+        place = slice(6 * n, 6 * n + 12)
+        stiffness[place, place] += k
+        mass[place, place] += m
+    ends = np.r_[0:6, size - 6 : size]
+    inner = np.setdiff1d(np.arange(size), ends)
+    shape = np.zeros((size, 12))
+    shape[ends] = np.eye(12)
+    shape[inner] = -np.linalg.solve(stiffness[np.ix_(inner, inner)], stiffness[np.ix_(inner, ends)])
+    return shape.T @ stiffness @ shape, shape.T @ mass @ shape
+
+
+def between(section: Beam, place: float) -> Beam:
+    """The section of a tapered beam at a place from 0 to 1: all its numbers linear."""
+    assert section.end is not None
+    names = ("area", "second_y", "second_z", "torsion", "further")
+    numbers = {
+        name: (1 - place) * getattr(section, name) + place * getattr(section.end, name)
+        for name in names
+    }
+    return replace(section, **numbers, end=None)
+
+
+@cache
+def _shell(section: Plate) -> Any:
+    m = section.material
+    density = m.density + section.further / section.thickness
+    return isotropic_plate(section.thickness, m.young, m.poisson, rho=density)
+
+
+@cache
+def _beam(section: Beam) -> Any:
+    prop, m = BeamProp(), section.material
+    prop.A, prop.E, prop.G = section.area, m.young, m.shear
+    prop.Iyy, prop.Izz, prop.J = section.second_y, section.second_z, section.torsion
+    prop.G12 = m.shear * (section.shear_y or 1.0)
+    prop.G13 = m.shear * (section.shear_z or 1.0)
+    prop.GJ = m.shear * section.torsion
+    density = m.density + section.further / section.area
+    prop.intrho = density * section.area
+    prop.intrhoy2, prop.intrhoz2 = density * section.second_z, density * section.second_y
+    return prop
+
+
+class _Triplets:
+    """Rows, columns and values of a sum of small matrices."""
+
+    def __init__(self, size: int) -> None:
+        self._size = size
+        self._parts: list[tuple[Ints, Ints, Array]] = []
+
+    def add(self, degrees: Ints, matrix: Array) -> None:
+        rows, columns = np.meshgrid(degrees, degrees, indexing="ij")
+        self._parts.append((rows.ravel(), columns.ravel(), matrix.ravel()))
+
+    def matrix(self) -> csc_matrix:
+        rows, columns, values = (np.concatenate(part) for part in zip(*self._parts, strict=True))
+        total = coo_matrix((values, (rows, columns)), (self._size, self._size)).tocsc()
+        total.eliminate_zeros()
+        return total
+
+
+def parts_of(model: Model) -> Iterator[tuple[str, float, Array]]:
+    """Part, mass [kg] and centre [m] of each element and mass, from areas and lengths alone."""
+    for element in model.elements:
+        section, corners = model.sections[element.section], model.corners(element)
+        if isinstance(section, Plate):
+            weight = section.material.density * section.thickness + section.further
+            for triangle in _triangles(corners):
+                area = float(np.linalg.norm(np.cross(*(triangle[1:] - triangle[0])))) / 2
+                yield element.part, weight * area, triangle.mean(axis=0)
+        else:
+            for n in range(SEGMENTS):
+                place = (n + 0.5) / SEGMENTS
+                own = between(section, place) if section.end is not None else section
+                weight = own.material.density * own.area + own.further
+                length = float(np.linalg.norm(corners[1] - corners[0])) / SEGMENTS
+                centre = corners[0] + place * (corners[1] - corners[0])
+                yield element.part, weight * length, centre
+    for mass in model.masses:
+        yield mass.part, mass.mass, model.positions[model.index[mass.node]]
+
+
+def _triangles(corners: Array) -> list[Array]:
+    return [corners] if len(corners) == 3 else [corners[[0, 1, 2]], corners[[0, 2, 3]]]

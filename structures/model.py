@@ -1,0 +1,233 @@
+"""A structure of finite elements as data: nodes, sections, elements, masses. All in SI."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import StructureError
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+DIRECTIONS = ("x", "y", "z", "roll", "pitch", "yaw")
+"""Degrees of freedom of a node: translations [m], rotations about X, Y, Z [rad]."""
+
+KINDS = {"quad": 4, "triangle": 3, "beam": 2, "bar": 2}
+"""Kinds of elements and their numbers of nodes: thin shells, beams, bars that pull and twist."""
+
+YOUNG_OF_STEEL = {"m, kg, N": 2.0e11, "in, lb*s2/in, lbf": 2.9e7, "mm, t, N": 2.0e5}
+"""Young's modulus of steel in units that models are written in."""
+
+
+@dataclass(frozen=True)
+class Material:
+    """Young's modulus [Pa], Poisson's ratio [1], density [kg/m3]."""
+
+    young: float
+    poisson: float
+    density: float
+
+    @property
+    def shear(self) -> float:
+        """Shear modulus [Pa]."""
+        return self.young / (2 * (1 + self.poisson))
+
+
+@dataclass(frozen=True)
+class Plate:
+    """Thickness [m] of a shell; further: mass that does not carry, over the area [kg/m2]."""
+
+    thickness: float
+    material: Material
+    further: float = 0.0
+
+
+@dataclass(frozen=True)
+class Beam:
+    """A beam's section: area [m2], second moments about its axes y and z [m4], torsion constant.
+
+    second_y resists bending in the plane x-z, second_z in x-y. further: mass that does not carry,
+    over the length [kg/m]. shear_y, shear_z: shear area over area in x-y and x-z; 0 for none.
+    end: the section at the second node of a tapered beam.
+    """
+
+    area: float
+    second_y: float
+    second_z: float
+    torsion: float
+    material: Material
+    further: float = 0.0
+    shear_y: float = 0.0
+    shear_z: float = 0.0
+    end: Beam | None = None
+
+
+@dataclass(frozen=True)
+class Element:
+    """kind: one of `KINDS`. section: a name of the model's. part: what it is a part of.
+
+    up: a vector in the plane x-z of a beam's section axes; z of it is what second_y is about.
+    """
+
+    kind: str
+    nodes: tuple[int, ...]
+    section: str
+    part: str = ""
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Mass:
+    """A rigid mass [kg] on a node, with inertias about X, Y, Z [kg.m2]."""
+
+    node: int
+    mass: float
+    inertia: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    part: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """Nodes by number [m], sections by name, elements, masses.
+
+    places: nodes that have a name of their own, such as the centre plates `front` and `rear`.
+    Raises StructureError for what cannot be; the message names node, element or section.
+    """
+
+    name: str
+    nodes: Mapping[int, tuple[float, float, float]]
+    sections: Mapping[str, Plate | Beam]
+    elements: Sequence[Element]
+    masses: Sequence[Mass] = ()
+    places: Mapping[str, int] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        _check_sections(self)
+        _check_elements(self)
+        _check_masses(self)
+        _check_loose(self)
+        _check_units(self)
+
+    @cached_property
+    def numbers(self) -> tuple[int, ...]:
+        """The nodes' numbers, in the order of the degrees of freedom."""
+        return tuple(self.nodes)
+
+    @cached_property
+    def positions(self) -> Array:
+        """(nodes, 3) [m]."""
+        return np.array([self.nodes[number] for number in self.numbers], float)
+
+    @cached_property
+    def index(self) -> Mapping[int, int]:
+        """Place of each node's number."""
+        return {number: i for i, number in enumerate(self.numbers)}
+
+    def label(self, degree: int) -> str:
+        """What a degree of freedom is: its node and direction."""
+        return f"{DIRECTIONS[degree % 6]} of node {self.numbers[degree // 6]}"
+
+    def corners(self, element: Element) -> Array:
+        """Positions of an element's nodes [m]."""
+        return self.positions[[self.index[n] for n in element.nodes]]
+
+
+def _check_sections(model: Model) -> None:
+    for name, section in model.sections.items():
+        size = section.thickness if isinstance(section, Plate) else section.area
+        what = "thickness" if isinstance(section, Plate) else "area"
+        if not size > 0:
+            raise _error(model, f"section '{name}' has the {what} {size:g}; it must be above 0")
+        m = section.material
+        if not (m.young > 0 and -1 < m.poisson < 0.5 and m.density >= 0):
+            raise _error(
+                model,
+                f"section '{name}': Young's modulus {m.young:g} Pa must be above 0, Poisson's "
+                f"ratio {m.poisson:g} between -1 and 0.5, density {m.density:g} kg/m3 not below 0",
+            )
+
+
+def _check_elements(model: Model) -> None:
+    for place, element in enumerate(model.elements, start=1):
+        what = f"element {place} ({element.kind}{', ' + element.part if element.part else ''})"
+        if element.kind not in KINDS:
+            raise _error(
+                model, f"{what} is of no kind that is known; choose from {', '.join(KINDS)}"
+            )
+        if len(element.nodes) != KINDS[element.kind]:
+            raise _error(
+                model, f"{what} has {len(element.nodes)} nodes; it needs {KINDS[element.kind]}"
+            )
+        for node in element.nodes:
+            if node not in model.nodes:
+                raise _error(model, f"{what} refers to node {node}, which there is not")
+        section = model.sections.get(element.section)
+        if section is None:
+            known = ", ".join(list(model.sections)[:12])
+            raise _error(
+                model, f"{what} refers to section '{element.section}'; the sections are {known}"
+            )
+        wants = Plate if element.kind in ("quad", "triangle") else Beam
+        if not isinstance(section, wants):
+            raise _error(
+                model,
+                f"{what} needs a {wants.__name__.lower()} section; '{element.section}' is none",
+            )
+        if _size(model.corners(element)) <= 0:
+            raise _error(model, f"{what} on nodes {element.nodes} has no length or area")
+
+
+def _check_masses(model: Model) -> None:
+    for mass in model.masses:
+        if mass.node not in model.nodes:
+            raise _error(
+                model, f"a mass of {mass.mass:g} kg is on node {mass.node}, which there is not"
+            )
+        if mass.mass < 0 or min(mass.inertia) < 0:
+            raise _error(model, f"the mass on node {mass.node} is {mass.mass:g} kg; it is below 0")
+
+
+def _check_loose(model: Model) -> None:
+    held = {node for element in model.elements for node in element.nodes}
+    loose = [number for number in model.nodes if number not in held]
+    if loose:
+        listed = ", ".join(map(str, loose[:8])) + (" ..." if len(loose) > 8 else "")
+        raise _error(
+            model,
+            f"{len(loose)} nodes belong to no element ({listed}): connect them, or leave them out",
+        )
+
+
+def _check_units(model: Model) -> None:
+    """Models that mix units: a steel whose modulus and density are not of one system."""
+    for name, section in model.sections.items():
+        young, density = section.material.young, section.material.density
+        if young < 1e6 or density > 1e5 or 0 < density < 1:
+            units = "; ".join(f"{young:g} in {units}" for units, young in YOUNG_OF_STEEL.items())
+            raise _error(
+                model,
+                f"section '{name}' has Young's modulus {young:g} Pa and density {density:g} kg/m3: "
+                f"these are not SI. Steel has Young's modulus {units}; say the model's units",
+            )
+
+
+def _size(corners: Array) -> float:
+    if len(corners) == 2:
+        return float(np.linalg.norm(corners[1] - corners[0]))
+    return shell_area(corners)
+
+
+def shell_area(corners: Array) -> float:
+    """Area of a triangle or quadrilateral [m2]."""
+    diagonals = corners[2] - corners[0], corners[-1] - corners[1]
+    if len(corners) == 3:
+        diagonals = corners[1] - corners[0], corners[2] - corners[0]
+    return float(np.linalg.norm(np.cross(*diagonals)) / 2)
+
+
+def _error(model: Model, text: str) -> StructureError:
+    return StructureError(f"{model.name}: {text}")
