@@ -29,36 +29,37 @@ MICRO_STEP = {"carbody": 1e-3, "truck": 2.5e-4, "track": 1e-3}
 FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-g0", "-w")
 
 
-def library(block: str, fmi: str, folder: Path) -> tuple[Path, str, Path]:
+def library(path: Path, fmi: str, folder: Path) -> tuple[Path, str, Path]:
     """The host's library out of an FMU, its GUID and the folder of its sources."""
-    path = fmu_path(block, fmi)
     extract(str(path), str(folder))
-    target = host_target()
-    place = folder / "binaries" / target.folder(fmi) / f"{block}{target.suffix}"
-    return place, read_model_description(str(path)).guid, folder / "sources"
+    target, said = host_target(), read_model_description(str(path))
+    name = f"{said.coSimulation.modelIdentifier}{target.suffix}"
+    return folder / "binaries" / target.folder(fmi) / name, said.guid, folder / "sources"
 
 
-def rounds_of(block: str) -> tuple[np.ndarray, np.ndarray]:
-    """Nanoseconds to load both libraries, and a step's, (round, what): what host.c prints."""
+def rounds_of(fmu2: Path, fmu3: Path, size: float) -> tuple[np.ndarray, np.ndarray]:
+    """Nanoseconds to load both libraries, and a step's, (round, what): what host.c prints.
+
+    size: of a step [s].
+    """
     tunable = next(
         (
             v.valueReference
-            for v in read_model_description(str(fmu_path(block))).modelVariables
+            for v in read_model_description(str(fmu2)).modelVariables
             if v.causality == "parameter" and v.variability == "tunable" and v.type == "Real"
         ),
         0,
     )
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        two, guid2, sources = library(block, "2.0", folder / "2")
-        three, guid3, _ = library(block, "3.0", folder / "3")
+        two, guid2, sources = library(fmu2, "2.0", folder / "2")
+        three, guid3, _ = library(fmu3, "3.0", folder / "3")
         program = folder / "host"
         files = [HERE / "fmu_step" / "host.c", sources / "block.c"]
         command = [*compiler_command(host_target()), *FLAGS, f"-I{sources}", *files]
         subprocess.run([*command, "-o", program, "-lm", "-ldl"], check=True)
-        size = str(MICRO_STEP[block])
         done = subprocess.run(
-            [program, two, three, guid2, guid3, size, str(tunable)],
+            [program, two, three, guid2, guid3, str(size), str(tunable)],
             check=True,
             capture_output=True,
             text=True,
@@ -79,7 +80,10 @@ def main(repeats: int) -> None:
     )
     rows = []
     for block in MICRO_STEP:
-        loads, rounds = zip(*(rounds_of(block) for _ in range(repeats)), strict=True)
+        files = fmu_path(block), fmu_path(block, "3.0")
+        loads, rounds = zip(
+            *(rounds_of(*files, MICRO_STEP[block]) for _ in range(repeats)), strict=True
+        )
         times = np.concatenate(rounds)
         bare, two, three, two_exchange, three_exchange, two_set = times.T
         rows.append(

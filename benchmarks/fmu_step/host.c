@@ -64,7 +64,7 @@ static void open_fmi3(const char *path, const char *guid) {
 
 static double bare(void) {
     static double x[2][N_STATES + 1], rate[N_INPUTS + 1], d[N_DERIVED + 1], p[N_PARAMETERS + 1],
-        ends[2][N_INPUTS + 1], w[WORK_W + 1];
+        ends[2][N_INPUTS + 1], w[WORK_W + 1], t[N_TRANSITION + 1];
     static const double *arg[WORK_ARG + 1];
     static double *res[WORK_RES + 1];
     static long long iw[WORK_IW + 1];
@@ -73,12 +73,16 @@ static double bare(void) {
     derived(arg, res, iw, w, 0);
     arg[0] = p, arg[1] = d, arg[2] = u, res[0] = x[0];
     initial(arg, res, iw, w, 0);
+#if N_TRANSITION
+    arg[0] = d, arg[1] = &size, res[0] = t;
+    transition(arg, res, iw, w, 0);
+#endif
     memcpy(ends[0], u, sizeof u);
     /* Else the compiler would take what it knows of this host's numbers out of the equations. */
     int (*volatile generated)(const double **, double **, long long *, double *, int) = step;
     double start = now();
     for (int k = 0; k < STEPS; k++) {
-        arg[0] = x[k % 2], arg[1] = ends[k % 2], arg[2] = rate, arg[3] = p, arg[4] = d, arg[5] = &size;
+        arg[0] = x[k % 2], arg[1] = ends[k % 2], arg[2] = rate, arg[3] = p, arg[4] = d, arg[5] = &size, arg[6] = t;
         res[0] = x[(k + 1) % 2], res[1] = ends[(k + 1) % 2];
         generated(arg, res, iw, w, 0);
     }

@@ -9,8 +9,8 @@ import numpy as np
 from ..errors import ParameterError
 from .modal_data import DIRECTIONS, ENDS, ModalData, Mode
 
-ABOVE = 4.0
-"""Frequency of the residual modes over the highest of the others, where nobody says another."""
+ABOVE, LEAST = 4.0, 150.0
+"""Of the residual modes, where nobody says: over the highest of the others, and at least [Hz]."""
 
 NEGLIGIBLE = 1e-9
 """Part of the largest flexibility below which a direction is rigid."""
@@ -34,7 +34,7 @@ def with_residual_modes(
     if data.residual_flexibility is None:
         return data
     highest = max((mode.frequency for mode in data.modes), default=0.0)
-    chosen = ABOVE * highest if frequency is None else frequency
+    chosen = max(ABOVE * highest, LEAST) if frequency is None else frequency
     if not chosen > highest:
         raise ParameterError(
             f"{data.name}: residual modes at {chosen:g} Hz would be among the others, which reach "
