@@ -8,7 +8,11 @@ from typing import Any
 
 import click
 
+from fmus.catalogue import fmu_path
+from fmus.names import NAMES
+
 from ..car.hopper import CARS, TRACKS, instances
+from ..errors import TracktrainError, choices
 from .types import Assignment, Name, Quantity
 
 Option = Callable[[Any], Any]
@@ -114,13 +118,28 @@ def friction_option() -> Option:
     )
 
 
+def fmu_of(given: str) -> Path:
+    """The FMU in a file, or else that of the block which is called so.
+
+    Raises TracktrainError for what can be neither.
+    """
+    path = Path(given)
+    if given in NAMES and not path.exists():
+        return fmu_path(given)
+    if not path.suffix and not path.exists():
+        raise TracktrainError(
+            f"'{given}' is neither a file nor one of our blocks; {choices(given, NAMES)}"
+        )
+    return path
+
+
 def fmu_option(block: str) -> Option:
     """--fmu, a block to test."""
     return click.option(
         "--fmu",
-        type=click.Path(path_type=Path),
-        metavar="FILE",
-        help=f"A {block} to test instead of ours.",
+        callback=lambda _, __, given: fmu_of(given) if given else None,
+        metavar="FMU",
+        help=f"A {block} to test instead of ours: a file, or the name of a block.",
     )
 
 

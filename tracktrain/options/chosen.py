@@ -10,14 +10,12 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from fmus.catalogue import fmu_path
-from fmus.names import NAMES
-
 from ..car.hopper import REPORT_SPEED, instances
 from ..errors import TracktrainError
 from .car import (
     car_option,
     carbody_option,
+    fmu_of,
     seed_option,
     set_option,
     speed_option,
@@ -137,7 +135,7 @@ def chosen_car(shape: Shape) -> System:
         notes += said
     port_maps = _port_maps(shape)
     for instance, _, given in shape.swaps:
-        system, said = changes.swapped(system, instance, _fmu(given), port_maps.get(instance))
+        system, said = changes.swapped(system, instance, fmu_of(given), port_maps.get(instance))
         notes += said
     for instance, coordinate, value in shape.initials:
         system = changes.displaced(system, instance, coordinate, value)
@@ -170,7 +168,7 @@ def chosen_file(
         system = changes.assigned(system, instance, name, value)
     port_maps = _port_maps(shape)
     for instance, _, fmu in shape.swaps:
-        path = _fmu(fmu)
+        path = fmu_of(fmu)
         ports, _ = changes.seen(system, instance, path, port_maps.get(instance))
         system = system.with_fmu(instance, path, ports)
         if ports is not None and ports.rates:
@@ -181,12 +179,6 @@ def chosen_file(
     if shape.duration is None and system.experiment.stop is None:
         raise TracktrainError(f"'{path}' does not say how long to run; give --duration")
     return _timed(system, shape)
-
-
-def _fmu(given: str) -> Path:
-    """The file of this name, or else the FMU of the block that is called so."""
-    path = Path(given)
-    return fmu_path(given) if given in NAMES and not path.exists() else path
 
 
 def refuse_options(ctx: click.Context, names: Iterable[str], reason: str) -> None:

@@ -34,7 +34,14 @@ from ..car.modes import (
 )
 from ..car.shapes import Line, animate_mode, draw_mode, wire_frame
 from ..errors import TracktrainError
-from ..options.car import car_option, friction_option, speed_option, speeds_option, swap_option
+from ..options.car import (
+    car_option,
+    fmu_of,
+    friction_option,
+    speed_option,
+    speeds_option,
+    swap_option,
+)
 from ..plots import MUTED, RED, STYLE, conversion
 from ..scales import FOOT, MILE_PER_HOUR
 from ..terminal import Progress, unseen
@@ -124,7 +131,7 @@ command = study_command(
     speeds_option(
         "--ring-down", "ring_down", (), "Also identify the growth from a run of the FMUs."
     ),
-    swap_option(callback=lambda _, __, given: {name: Path(path) for name, _, path in given}),
+    swap_option(callback=lambda _, __, given: {name: fmu_of(path) for name, _, path in given}),
     click.option("--no-animation", "animate", flag_value=False, default=True, help="No GIF files."),
     epilog="""\b
 Examples:

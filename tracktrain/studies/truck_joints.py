@@ -65,7 +65,7 @@ def truck_joints(car: str = "loaded") -> Outcome:
             "each has a sixth",
             "the adapters' lever is that of 15 000 lb each if warp were theirs alone",
             "beyond 60 000 lb on axles that are held, four adapters slide where the analog is on "
-            "its stop",
+            "its stop; the deflection is the rig's, from the axles to the carbody",
             "together: friction of one coil group that slides alone, as when one wheel runs over "
             "a dip. The analog's elements do not know of each other, the joints do",
         ],

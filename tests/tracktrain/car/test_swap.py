@@ -41,6 +41,16 @@ def test_missing_file_is_named(tmp_path: Path) -> None:
     assert "the FMU 'nowhere.fmu' cannot be read: no such file or directory" in message
 
 
+def test_a_block_stands_in_by_its_name_and_a_wrong_name_is_told_the_blocks(tmp_path: Path) -> None:
+    assert run("--swap", "truck_rear=truck", out=tmp_path) == (0, "")
+    code, message = run("--swap", "truck_rear=truck_joint", out=tmp_path)
+    assert code == 2
+    assert (
+        "'truck_joint' is neither a file nor one of our blocks; did you mean truck_joints? "
+        "choose one of: carbody, truck, wheelrail, track" in message
+    )
+
+
 def test_file_that_is_no_zip_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "text.fmu"
     path.write_text("not an archive")
