@@ -16,11 +16,11 @@ BONDS = "bonds.csv"
 
 
 def opened(folder: Path) -> xr.Dataset:
-    """The dataset in a run's folder, read as it is used.
+    """The dataset in a run's folder, or in a results file, read as it is used.
 
     Raises TracktrainError where there is none, orchestrator.DamageError where it is damaged.
     """
-    path = folder / RESULTS_NAME
+    path = folder if folder.is_file() else folder / RESULTS_NAME
     if not path.is_file():
         raise TracktrainError(
             f"there is no {RESULTS_NAME} in '{folder}'; name the folder that "

@@ -108,12 +108,13 @@ def _entry(block: str | None, name: str, value: object) -> tuple[Entry | None, b
             continue
         known = True
         if isinstance(value, (int, float)):
-            published = entry.to(_units(block)[name])
+            published = entry.to(parameter_units(block)[name])
             if np.isclose(published, value, rtol=1e-9):
                 return entry, False
     return None, known
 
 
 @cache
-def _units(block: str) -> dict[str, str]:
+def parameter_units(block: str) -> dict[str, str]:
+    """The unit of each parameter of a block."""
     return {parameter.name: parameter.unit for parameter in BLOCKS[block]().parameters}

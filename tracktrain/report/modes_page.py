@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import base64
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from io import BytesIO
 from typing import Any
 
 import numpy as np
@@ -17,9 +14,9 @@ from numpy.typing import NDArray
 
 from fmus.carbody.modal_data import ModalData
 
-from ..terminal import cell
 from . import as_json, page_text
 from .packing import packed
+from .sheet import parts
 
 Array = NDArray[Any]
 SCRIPTS = ("data.js", "scene.js", "player.js", "mesh.js", "modes.js")
@@ -81,33 +78,10 @@ def modes_page(
     )
     return environment.get_template("modes.html").render(
         title=title,
-        tables=[_table(name, table) for name, table in tables.items()],
-        pictures=[
-            {"title": _titled(name), "content": _png(figure)} for name, figure in pictures.items()
-        ],
         notes=notes,
         index=as_json(known),
         blob=blob,
         styles=page_text("page.css"),
         script="\n".join(map(page_text, SCRIPTS)),
+        **parts(tables, pictures),
     )
-
-
-def _table(name: str, table: pd.DataFrame) -> dict[str, Any]:
-    flat = table.reset_index() if any(table.index.names) else table
-    return {
-        "title": _titled(name),
-        "columns": [str(column) for column in flat.columns],
-        "rows": [[cell(value) for value in row] for row in flat.itertuples(index=False)],
-    }
-
-
-def _titled(name: str) -> str:
-    text = re.sub(r"(\d) (\d)", r"\1-\2", name.replace("_", " "))
-    return text[:1].upper() + text[1:]
-
-
-def _png(figure: Figure) -> str:
-    content = BytesIO()
-    figure.savefig(content, format="png", dpi=110)
-    return base64.b64encode(content.getvalue()).decode("ascii")

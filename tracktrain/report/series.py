@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.signal import welch
 
 from ..car.hopper import layout_of
+from ..quantities import shown_unit
 from .packing import envelope, envelope_time
 
 Array = NDArray[np.float64]
@@ -22,21 +23,6 @@ LINES = 320
 
 SEGMENTS = 4
 """Parts of the run that a spectrum is averaged over, overlapping by half, one more than twice."""
-
-SHOWN = {
-    "m": ("mm", 1e3),
-    "m/s": ("mm/s", 1e3),
-    "m/s2": ("m/s²", 1.0),
-    "rad": ("mrad", 1e3),
-    "rad/s": ("mrad/s", 1e3),
-    "N": ("kN", 1e-3),
-    "N.m": ("kN·m", 1e-3),
-    "1": ("1", 1.0),
-}
-"""Units that values are shown in, and their factors."""
-
-LARGEST = 5e3
-"""Of a value as shown, above which it stays in the recorded unit."""
 
 
 def signals(dataset: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, Array], int]:
@@ -90,9 +76,7 @@ def spectrum(values: Array, rate: float) -> tuple[Array, Array]:
 
 def _described(name: str, attributes: Mapping[str, Any], values: Array) -> dict[str, Any]:
     """Name, description, unit and factor of a signal."""
-    unit = str(attributes.get("units", "1"))
-    shown, factor = SHOWN.get(unit, (unit, 1.0))
-    if factor > 1.0 and float(np.abs(values).max(initial=0.0)) * factor > LARGEST:
-        shown, factor = unit, 1.0
+    largest = float(np.abs(values).max(initial=0.0))
+    shown, factor = shown_unit(str(attributes.get("units", "1")), largest)
     text = str(attributes.get("description", ""))
     return {"name": name, "text": text, "unit": shown, "factor": factor}

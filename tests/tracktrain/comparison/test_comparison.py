@@ -1,0 +1,112 @@
+"""Runs beside each other: what differs, what came out, and one page of both."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+from tracktrain.cli.main import main
+from tracktrain.comparison import compare, write_comparison
+from tracktrain.comparison.differences import differences
+from tracktrain.errors import TracktrainError
+
+TIME = np.linspace(0.0, 10.0, 1001)
+
+
+def run(
+    folder: Path, amplitude: float, frequency: float = 2.0, rows: int = 1001, **values: float
+) -> Path:
+    """A run of a pump that shakes, in a folder."""
+    folder.mkdir()
+    time = TIME[:rows]
+    curve = amplitude * np.sin(2 * np.pi * frequency * time)
+    attributes = {"parameters": json.dumps(values), "step": 0.01, "master": "one-pass"}
+    xr.Dataset(
+        {"pump.shaft.y": ("time", curve, {"units": "m"})},
+        {"time": ("time", time, {"units": "s"})},
+        attributes,
+    ).to_netcdf(folder / "results.nc", engine="netcdf4")
+    return folder
+
+
+def test_what_differs_is_told_once_for_all_instances_that_share_it(tmp_path: Path) -> None:
+    given = {"pump.mass": 2.0, "left.gain": 1.0, "right.gain": 1.0}
+    first = run(tmp_path / "a", 0.001, **given)
+    second = run(tmp_path / "b", 0.001, **{**given, "left.gain": 3.0, "right.gain": 3.0})
+    found = compare([first, second]).differences
+    assert found.index.tolist() == [("parameter", "gain", "left, right")]
+    assert found.loc[("parameter", "gain", "left, right")].tolist() == ["1", "3"]
+
+
+def test_a_parameter_that_only_one_run_has_differs(tmp_path: Path) -> None:
+    runs = {"a": xr.Dataset(coords={"time": TIME}), "b": xr.Dataset(coords={"time": TIME})}
+    runs["b"].attrs["parameters"] = json.dumps({"pump.mass": 2.0})
+    assert differences(runs).loc[("parameter", "mass", "pump")].tolist() == ["-", "2"]
+
+
+def test_numbers_stand_side_by_side_in_units_that_suit(tmp_path: Path) -> None:
+    first, second = run(tmp_path / "a", 0.001), run(tmp_path / "b", 0.003, frequency=4.0)
+    found = compare([first, second / "results.nc"]).numbers
+    rms = found.loc[("pump.shaft.y", "rms [mm]")]
+    assert rms["a"] == pytest.approx(np.sqrt(0.5), rel=1e-3)
+    assert rms["b / a"] == pytest.approx(3.0, rel=1e-3)
+    frequency = found.loc[("pump.shaft.y", "dominant frequency [Hz]")]
+    assert frequency.tolist() == pytest.approx([2.0, 4.0, 2.0], rel=1e-2)
+
+
+def test_spans_that_differ_are_said_and_can_be_made_alike(tmp_path: Path) -> None:
+    long, short = run(tmp_path / "a", 0.001), run(tmp_path / "b", 0.001, rows=501)
+    assert any(
+        "the spans differ: a 0 to 10 s, b 0 to 5 s" in n for n in compare([long, short]).notes
+    )
+    assert any("same values to the last bit" in n for n in compare([long, short], end=5.0).notes)
+
+
+def test_a_folder_without_its_name_in_common_tells_runs_apart(tmp_path: Path) -> None:
+    for name in ("soft", "stiff"):
+        (tmp_path / name).mkdir()
+        run(tmp_path / name / "out", 0.001)
+    places = [tmp_path / "soft" / "out", tmp_path / "stiff" / "out"]
+    assert list(compare(places).runs) == ["soft/out", "stiff/out"]
+
+
+@pytest.mark.parametrize(
+    ("places", "asked", "begin", "said"),
+    [
+        (["a"], [], None, "needs two runs or more"),
+        (["a", "a/results.nc"], [], None, "is named twice"),
+        (["a", "c"], [], None, "there is no results.nc in"),
+        (["a", "b"], ["pump.shaft.x"], None, "did you mean pump.shaft.y"),
+        (["a", "b"], [], 11.0, "run a goes from 0 to 10 s and has 0 rows"),
+    ],
+)
+def test_what_cannot_be_compared_is_named(
+    tmp_path: Path, places: list[str], asked: list[str], begin: float | None, said: str
+) -> None:
+    run(tmp_path / "a", 0.001)
+    run(tmp_path / "b", 0.001)
+    with pytest.raises(TracktrainError, match=said):
+        compare([tmp_path / place for place in places], asked, begin)
+
+
+def test_the_page_needs_nothing_else(tmp_path: Path) -> None:
+    found = compare([run(tmp_path / "a", 0.001, **{"p.k": 1.0}), run(tmp_path / "b", 0.002)])
+    page, *others = write_comparison(found, tmp_path)
+    text = page.read_text()
+    assert "://" not in text and text.count("data:image/png;base64") == 2
+    assert text.index("What differs") < text.index("Numbers") < text.index("Signals")
+    assert all(path.stat().st_size for path in others)
+
+
+def test_the_command_prints_what_differs_first(tmp_path: Path) -> None:
+    places = [run(tmp_path / "a", 0.001, **{"p.k": 1.0}), run(tmp_path / "b", 0.002)]
+    out = tmp_path / "out"
+    result = CliRunner().invoke(main, ["compare", *map(str, places), "--out", str(out)])
+    assert result.exit_code == 0, result.output
+    assert result.output.index("what differs") < result.output.index("what came out")
+    assert (out / "comparison.html").is_file()

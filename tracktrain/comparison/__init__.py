@@ -1,0 +1,94 @@
+"""Two or more runs beside each other: what differs in what was run, then in what came out.
+
+found = compare([Path("soft"), Path("stiff")])
+found.differences, found.numbers
+write_comparison(found, Path("comparison"))
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib as mpl
+import pandas as pd
+import xarray as xr
+from matplotlib.figure import Figure
+
+from ..car.layout import Shown
+from ..plots import STYLE
+from ..quantities import shown_quantities
+from ..report.sheet import sheet
+from .differences import differences, remarks
+from .numbers import numbers
+from .pictures import signals, spectra
+from .runs import named_runs, within
+
+NAME = "comparison.html"
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Runs by name, the signals that are compared, and what was found.
+
+    differences: what was run, a column a run. numbers: what came out, a column a run, then each
+    run's number over that of the first. notes: what to know before the numbers are read.
+    """
+
+    runs: Mapping[str, xr.Dataset]
+    shown: Sequence[Shown]
+    differences: pd.DataFrame
+    numbers: pd.DataFrame
+    notes: Sequence[str]
+
+
+def compare(
+    places: Sequence[Path],
+    asked: Sequence[str] = (),
+    begin: float | None = None,
+    end: float | None = None,
+) -> Comparison:
+    """Compare runs by their folders or results files.
+
+    asked: signals beside the usual ones. begin, end: the span of time [s] that numbers and
+    pictures are of. Raises TracktrainError for fewer than two runs, one that is named twice, a
+    signal that no run has, and a span that a run has no rows in.
+    """
+    whole = named_runs(places)
+    runs = {name: within(name, data, begin, end) for name, data in whole.items()}
+    shown = shown_quantities(runs, asked)
+    return Comparison(
+        runs, shown, differences(whole), numbers(runs, shown), remarks(runs, shown, begin, end)
+    )
+
+
+def write_comparison(found: Comparison, folder: Path, command: str = "") -> list[Path]:
+    """Write comparison.html, its tables as CSV and its pictures into a folder; the files."""
+    pictures = drawn(found)
+    tables = {"what_differs": found.differences, "numbers": found.numbers}
+    written = [folder / NAME, *(folder / f"{name}.csv" for name in tables)]
+    text = sheet(
+        " and ".join(found.runs) if len(found.runs) == 2 else f"{len(found.runs)} runs",
+        tables,
+        pictures,
+        found.notes,
+        command,
+    )
+    written[0].write_text(text, encoding="utf-8")
+    for path, table in zip(written[1:], tables.values(), strict=True):
+        table.to_csv(path)
+    for name, figure in pictures.items():
+        path = folder / f"{name}.png"
+        with mpl.rc_context(STYLE):
+            figure.savefig(path)
+        written.append(path)
+    return written
+
+
+def drawn(found: Comparison) -> dict[str, Figure]:
+    """The pictures of a comparison by name."""
+    return {
+        "signals": signals(found.runs, found.shown),
+        "spectra": spectra(found.runs, found.shown),
+    }

@@ -1,0 +1,63 @@
+"""Which signals of runs are shown, and in which units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from orchestrator import choices
+
+from .car.hopper import layout_of
+from .car.layout import Shown
+from .errors import TracktrainError
+from .scales import Scale
+
+SHOWN_UNITS = {
+    "m": ("mm", 1e3),
+    "m/s": ("mm/s", 1e3),
+    "m/s2": ("m/s²", 1.0),
+    "rad": ("mrad", 1e3),
+    "rad/s": ("mrad/s", 1e3),
+    "N": ("kN", 1e-3),
+    "N.m": ("kN·m", 1e-3),
+    "1": ("1", 1.0),
+}
+"""Units that values are shown in, and their factors."""
+
+LARGEST = 5e3
+"""Of a value as shown, above which it stays in the recorded unit."""
+
+MOST = 12
+"""Signals of a system that is no car."""
+
+
+def shown_quantities(runs: Mapping[str, xr.Dataset], asked: Sequence[str] = ()) -> list[Shown]:
+    """The car's quantities that any run has, else their first signals; then those asked for.
+
+    runs: by name. Raises TracktrainError for a signal that no run has.
+    """
+    present = dict.fromkeys(str(name) for data in runs.values() for name in data.data_vars)
+    found = {
+        shown.variable: shown
+        for data in runs.values()
+        for shown in layout_of(data).quantities.values()
+        if shown.variable in data
+    }
+    for name in asked if found or asked else list(present)[:MOST]:
+        if name not in present:
+            raise TracktrainError(
+                f"no run of {', '.join(runs)} has the signal '{name}'; {choices(name, present)}"
+            )
+        present_in = [data[name] for data in runs.values() if name in data]
+        largest = max(float(np.abs(values).max()) for values in present_in)
+        unit, factor = shown_unit(str(present_in[0].attrs.get("units", "1")), largest)
+        found.setdefault(name, Shown(name, name, Scale("" if unit == "1" else unit, factor)))
+    return list(found.values())
+
+
+def shown_unit(unit: str, largest: float) -> tuple[str, float]:
+    """The unit that values of a unit are shown in, and its factor; largest: of their sizes."""
+    shown, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
+    return (unit, 1.0) if factor > 1.0 and largest * factor > LARGEST else (shown, factor)

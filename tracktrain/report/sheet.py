@@ -1,0 +1,69 @@
+"""A page of tables and pictures: a single HTML file that needs nothing else, and no network."""
+
+from __future__ import annotations
+
+import base64
+import re
+from collections.abc import Mapping, Sequence
+from io import BytesIO
+from typing import Any
+
+import pandas as pd
+from jinja2 import Environment, PackageLoader
+from matplotlib.figure import Figure
+
+from ..terminal import cell
+from . import page_text
+
+
+def sheet(
+    title: str,
+    tables: Mapping[str, pd.DataFrame],
+    pictures: Mapping[str, Figure],
+    notes: Sequence[str] = (),
+    command: str = "",
+) -> str:
+    """The text of the page: notes, tables, pictures, each below its name."""
+    environment = Environment(
+        loader=PackageLoader("tracktrain.report", "page"), autoescape=True, trim_blocks=True
+    )
+    return environment.get_template("sheet.html").render(
+        title=title,
+        command=command,
+        notes=notes,
+        styles=page_text("page.css"),
+        **parts(tables, pictures),
+    )
+
+
+def parts(
+    tables: Mapping[str, pd.DataFrame], pictures: Mapping[str, Figure]
+) -> dict[str, list[dict[str, Any]]]:
+    """Tables and pictures as the template `parts.html` takes them."""
+    return {
+        "tables": [_table(name, table) for name, table in tables.items()],
+        "pictures": [
+            {"title": _titled(name), "content": _png(figure)} for name, figure in pictures.items()
+        ],
+    }
+
+
+def _table(name: str, table: pd.DataFrame) -> dict[str, Any]:
+    flat = table.reset_index() if any(table.index.names) else table
+    return {
+        "title": _titled(name),
+        "columns": [str(column) for column in flat.columns],
+        "number": [flat[name].dtype.kind in "if" for name in flat.columns],
+        "rows": [[cell(value) for value in row] for row in flat.itertuples(index=False)],
+    }
+
+
+def _titled(name: str) -> str:
+    text = re.sub(r"(\d) (\d)", r"\1-\2", name.replace("_", " "))
+    return text[:1].upper() + text[1:]
+
+
+def _png(figure: Figure) -> str:
+    content = BytesIO()
+    figure.savefig(content, format="png", dpi=110)
+    return base64.b64encode(content.getvalue()).decode("ascii")
