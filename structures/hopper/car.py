@@ -105,7 +105,9 @@ class _Car:
                         [self.floor(at, side, p) for at in (x, ahead)] for p in (place, place + 1)
                     ))  # fmt: skip
                 top = ROWS + 1
-                self._chord("top_chord", "top chords", self.wall(x, side, top), self.wall(ahead, side, top))
+                self._chord(
+                    "top_chord", "top chords", self.wall(x, side, top), self.wall(ahead, side, top)
+                )
             level = self.d["sill_height"]
             if max(self.floor_z(x), self.floor_z(ahead)) > level + 1e-9:  # else it is the cover
                 self._strip("floor", "floor", x, ahead, *(
@@ -116,8 +118,15 @@ class _Car:
                 self._strip("sill_web", "centre sill", x, ahead, *(
                     [self.sill(at, side, top) for at in (x, ahead)] for top in (False, True)
                 ))  # fmt: skip
-                self._chord("sill_flange", "centre sill", self.sill(x, side, False), self.sill(ahead, side, False))
-                self._chord("side_sill", "side sills", self.wall_sill(x, side), self.wall_sill(ahead, side))
+                self._chord(
+                    "sill_flange",
+                    "centre sill",
+                    self.sill(x, side, False),
+                    self.sill(ahead, side, False),
+                )
+                self._chord(
+                    "side_sill", "side sills", self.wall_sill(x, side), self.wall_sill(ahead, side)
+                )
             self._strip("sill_cover", "centre sill", x, ahead, *(
                 [self.sill(at, side, True) for at in (x, ahead)] for side in SIDES
             ))  # fmt: skip
@@ -146,10 +155,20 @@ class _Car:
              self.sill(x, 1, True)], plate, "centre sill",
         )  # fmt: skip
         for side in SIDES:
-            root, middle, tip = self.sill(x, side, True), self.bearer(x, side), self.wall(x, side, 0)
-            self.mesh.patch([root, middle, self.floor(x, side, 1), self.floor(x, side, 0)], plate, part)
-            self.mesh.patch([middle, tip, self.floor(x, side, 2), self.floor(x, side, 1)], plate, part)
-            inner, outer = ("bolster_inner", "bolster_outer") if bolster else (f"{half}cross_bearer",) * 2
+            root, middle, tip = (
+                self.sill(x, side, True),
+                self.bearer(x, side),
+                self.wall(x, side, 0),
+            )
+            self.mesh.patch(
+                [root, middle, self.floor(x, side, 1), self.floor(x, side, 0)], plate, part
+            )
+            self.mesh.patch(
+                [middle, tip, self.floor(x, side, 2), self.floor(x, side, 1)], plate, part
+            )
+            inner, outer = (
+                ("bolster_inner", "bolster_outer") if bolster else (f"{half}cross_bearer",) * 2
+            )
             self.mesh.line((root, middle), inner, part)
             self.mesh.line((middle, tip), outer, part)
 
@@ -185,7 +204,9 @@ class _Car:
             middle, tip = self.bearer(out, side), self.wall_sill(out, side)
             self.mesh.line((self.sill(out, side, True), middle), "end_sill", "end sills")
             self.mesh.line((middle, tip), "end_sill", "end sills")
-            self.mesh.line((middle, self.floor(x, side, 1)), "end_post", "end posts", (1.0, 0.0, 0.0))
+            self.mesh.line(
+                (middle, self.floor(x, side, 1)), "end_post", "end posts", (1.0, 0.0, 0.0)
+            )
         self.mesh.line((self.sill(out, 1, True), self.sill(out, -1, True)), "end_sill", "end sills")
         corners = [self.sill(out, side, top) for side, top in ((1, 0), (-1, 0), (-1, 1), (1, 1))]
         self.mesh.patch(corners, "diaphragm", "centre sill")
@@ -233,7 +254,9 @@ def _weighed(of: Numbers, mesh: Mesh, front: int, sill_end: list[int]) -> Model:
     """The model with the masses that do not carry: coupler, bay, and what is left to the whole."""
     sections = _sections(of)
     bay = _bay(of, mesh)
-    masses = [Mass(node, of.masses["coupler"] / len(sill_end), part="couplers") for node in sill_end]
+    masses = [
+        Mass(node, of.masses["coupler"] / len(sill_end), part="couplers") for node in sill_end
+    ]
     masses += [Mass(node, of.masses["bay"] * share, part="bay") for node, share in bay.items()]
     bare = Model(of.name, mesh.nodes, sections, mesh.elements, masses, {"front": front})
     carried = sum(mass.mass for mass in masses)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,5 +68,5 @@ class Mesh:
         """Beams along a straight line, as many as a patch has elements along its side."""
         a, b = (np.array(end, float) for end in ends)
         nodes = [self.node(a + u * (b - a)) for u in np.linspace(0.0, 1.0, self.cuts + 1)]
-        for first, second in zip(nodes, nodes[1:], strict=False):
+        for first, second in pairwise(nodes):
             self.elements.append(Element("beam", (first, second), section, part, up))

@@ -26,7 +26,8 @@ INCH = 0.0254
 class Numbers:
     """What the car is made from [SI].
 
-    dimensions, plates (thicknesses), masses: by name. floor: stations and heights over them.
+    dimensions, plates (thicknesses), masses, moduli of the lading: by name. floor: stations and
+    heights over them.
     """
 
     name: str
@@ -36,6 +37,7 @@ class Numbers:
     plates: Mapping[str, float]
     beams: Mapping[str, Beam]
     masses: Mapping[str, float]
+    lading: Mapping[str, float]
 
     def with_plates(self, **thickness: float) -> Numbers:
         """The same with other thicknesses [m]; raises StructureError for an unknown plate."""
@@ -92,13 +94,13 @@ def _read(name: str, content: Mapping[str, Any]) -> Numbers:
     }
     found = Numbers(
         str(content.get("name", name)), material, values("dimensions", "m"), (shape[0], shape[1]),
-        values("plates", "m"), beams, values("masses", "kg"),
+        values("plates", "m"), beams, values("masses", "kg"), values("lading", "Pa"),
     )  # fmt: skip
     _complete(name, found)
     return found
 
 
-_TABLES = ("material", "dimensions", "floor", "plates", "beams", "built", "masses")
+_TABLES = ("material", "dimensions", "floor", "plates", "beams", "built", "masses", "lading")
 
 
 def _complete(name: str, found: Numbers) -> None:
@@ -118,6 +120,7 @@ def _read_shipped_names() -> Mapping[str, tuple[str, ...]]:
         "plates": tuple(content["plates"]),
         "beams": (*content["beams"], *content["built"]),
         "masses": tuple(content["masses"]),
+        "lading": tuple(content["lading"]),
     }
 
 

@@ -14,11 +14,15 @@ from matplotlib.figure import Figure
 
 from fmus.carbody.default_data import default_data
 from fmus.carbody.modal_data import ModalData
+from fmus.carbody.residual import with_residual_modes
 from fmus.export.carbody import carbody_fmu
+from orchestrator import Value
 from structures.springs import RIGID, without_springs
 
+from ...car.carbody import carbody_data
 from ...car.hopper import parameters_of, vehicle
-from ...options.car import car_option, fmu_option
+from ...errors import TracktrainError
+from ...options.car import car_option, carbody_option, fmu_option
 from ...plots import BLUE, MUTED, RED, STYLE
 from ...terminal import Progress, unseen
 from ..common.command import study_command
@@ -44,7 +48,7 @@ Transfer = Mapping[Shakers, xr.Dataset]
 def carbody_survey(
     car: str = "empty",
     fmu: Path | None = None,
-    carbody: ModalData | None = None,
+    carbody: ModalData | Path | None = None,
     progress: Progress = unseen,
 ) -> Outcome:
     """Find the carbody's modes as the report's modal survey did.
@@ -53,10 +57,10 @@ def carbody_survey(
     mode stands where the imaginary part of acceleration over force peaks (Figure 4-8); its damping
     shows in the decay after a dwell there (Figure 4-9). What the air springs add is taken out by
     (4-20) to (4-23). `fmu` is a carbody to survey instead of ours; its modes are sought where the
-    default carbody's are. `carbody` is one of modal data, whose modes are to come back.
+    default carbody's are. `carbody` is one of your own (modal data, their file or FMU), whose modes
+    are to come back.
     """
-    data = carbody or default_data(parameters_of(car)["carbody"])
-    place, given = (carbody_fmu(data), {}) if carbody else under_test(car, "carbody", fmu)
+    data, place, given = _under_test(car, fmu, carbody)
     springs = AirSprings.under(data.body)
     modes = sought(data, springs)
     vectors = list(dict.fromkeys(mode.shakers for mode in modes))
@@ -75,7 +79,7 @@ def carbody_survey(
         done += 1
         progress(done / jobs)
     return Outcome(
-        title=f"Modal survey of the carbody on air springs, {carbody.name if carbody else car}",
+        title=f"Modal survey of the carbody on air springs, {data.name if carbody else car}",
         dataset=_dataset(ratios, found, car),
         tables={"modes": _table(found, data, springs, car)},
         pictures={
@@ -99,11 +103,29 @@ command = study_command(
     "carbody-survey",
     car_option("empty"),
     fmu_option("carbody"),
+    carbody_option(),
     epilog="""\b
 Examples:
   tracktrain study carbody-survey
-  tracktrain study carbody-survey --car loaded""",
+  tracktrain study carbody-survey --car loaded
+  tracktrain study carbody-survey --carbody modes.csv""",
 )(carbody_survey)
+
+
+def _under_test(
+    car: str, fmu: Path | None, carbody: ModalData | Path | None
+) -> tuple[ModalData, Path, Mapping[str, Value]]:
+    """What the carbody is known to be, its FMU, and what that is given."""
+    if carbody is None:
+        place, given = under_test(car, "carbody", fmu)
+        return default_data(parameters_of(car)["carbody"]), place, given
+    if fmu is not None:
+        raise TracktrainError("fmu and carbody both name what is surveyed; give one of them")
+    own = isinstance(carbody, ModalData)
+    data = with_residual_modes(carbody) if own else carbody_data(carbody, car)
+    if not own and carbody.suffix.lower() == ".fmu":
+        return data, carbody, {}
+    return data, carbody_fmu(data), {}
 
 
 def _table(found: Sequence[Found], data: ModalData, springs: AirSprings, car: str) -> pd.DataFrame:

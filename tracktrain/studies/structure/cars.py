@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from itertools import pairwise
-from pathlib import Path
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import brentq
 
-from orchestrator import Session, System, linearise, rms, simulate
+from fmus.carbody.modal_data import ModalData
+from fmus.carbody.residual import with_residual_modes
+from orchestrator import Session, rms, simulate
 
-from ...car.changes import swapped
+from ...car.carbody import with_carbody
 from ...car.hopper import hopper_car, vehicle
+from ...car.linear import LinearCar
+from ...car.modes import critical_speeds
 from ...scales import FOOT, MILE_PER_HOUR
 from ...terminal import Progress, unseen
 from ..common.rig import completed
 
-SPEEDS = np.arange(30.0, 121.0, 10.0) * FOOT
+SPEEDS = np.arange(20.0, 141.0, 10.0) * FOOT
 """Speeds between which hunting is sought [m/s]."""
 
-RUN, DURATION, TRACK = 60 * FOOT, 8.0, "fra5"
+SPEED, DURATION, TRACK = 60 * FOOT, 8.0, "fra5"
 """Speed [m/s], duration [s] and track of the run whose response is compared."""
 
 SHOWN = {
@@ -33,60 +34,37 @@ SHOWN = {
 """What is compared: a quantity of the layout, and the factor to the unit."""
 
 
-def car_with(car: str, carbody: Path | None, speed: float, track: str) -> System:
-    """The hopper car with an FMU in its carbody's place."""
-    system = hopper_car(car, speed, track)
-    if carbody is None:
-        return system
-    return swapped(system, vehicle(car).layout.carbody, carbody)[0]
-
-
 def compared_cars(
-    car: str, carbodies: Mapping[str, Path | None], progress: Progress = unseen
+    car: str, carbodies: Mapping[str, ModalData | None], progress: Progress = unseen
 ) -> pd.DataFrame:
-    """Critical speed, its frequency, and rms of the response, for each carbody by its name."""
+    """Critical speed (friction stuck), the frequency there, and rms of the response, by carbody.
+
+    None is the default carbody.
+    """
     layout, rows = vehicle(car).layout, []
     with Session() as session:
-        for number, (name, carbody) in enumerate(carbodies.items(), start=1):
-            speed, frequency = critical(lambda v, c=carbody: car_with(car, c, v, "perfect"))  # type: ignore[misc]
-            system = car_with(car, carbody, RUN, TRACK)
-            run = completed(
-                simulate(system, duration=DURATION, session=session), f"the run: {name}"
-            )
+        for number, (name, data) in enumerate(carbodies.items(), start=1):
+            system = hopper_car(car, SPEED, TRACK)
+            if data is not None:
+                system, _ = with_carbody(system, data, car)
+            run = completed(simulate(system, duration=DURATION, session=session), f"{name}'s run")
+            speed, frequency = _critical(car, data)
             answer = {
                 label: factor * rms(run.dataset[layout.quantities[quantity].variable])
                 for label, (quantity, factor) in SHOWN.items()
             }
             rows.append(
-                {
-                    "carbody": name,
-                    "critical speed [mph]": speed / MILE_PER_HOUR,
-                    "at [Hz]": frequency,
-                    **answer,
-                }
+                {"carbody": name, "critical [mph]": speed / MILE_PER_HOUR, "at [Hz]": frequency}
+                | answer
             )
             progress(number / len(carbodies))
     return pd.DataFrame(rows).set_index("carbody")
 
 
-def critical(car: Callable[[float], System]) -> tuple[float, float]:
-    """Speed [m/s] at which small hunting begins to grow, friction stuck, and its frequency [Hz].
-
-    nan where it does not below the last of `SPEEDS`.
-    """
-
-    def root(speed: float) -> complex:
-        roots = linearise(car(speed)).eigenvalues()
-        return complex(roots[np.abs(roots.imag) > 1e-3][0])
-
-    def growth(speed: float) -> float:
-        return root(speed).real
-
-    before = growth(SPEEDS[0])
-    for low, high in pairwise(SPEEDS):
-        after = growth(high)
-        if before < 0 <= after:
-            speed = float(brentq(growth, low, high, xtol=1e-4))
-            return speed, abs(root(speed).imag) / (2 * np.pi)
-        before = after
-    return np.nan, np.nan
+def _critical(car: str, data: ModalData | None) -> tuple[float, float]:
+    """Lowest speed [m/s] at which small hunting grows, and its frequency [Hz]; nan for none."""
+    own = None if data is None else with_residual_modes(data)
+    found = critical_speeds(LinearCar(car, carbody=own), SPEEDS)
+    if not found:
+        return np.nan, np.nan
+    return found[0].speed, abs(found[0].root.imag) / (2 * np.pi)
