@@ -60,9 +60,8 @@ def modal_data(
         for i, (number, position) in enumerate(zip(structure.numbers, positions, strict=True))
     )
     shapes = modes.shapes.T.reshape(len(modes.frequencies), len(points), 6)
-    body = Body(
-        properties.mass, *(float(i) for i in np.diag(properties.inertia)), "derived", source
-    )
+    roll, pitch, yaw = (float(inertia) for inertia in np.diag(properties.inertia))
+    body = Body(properties.mass, roll, pitch, yaw, "derived", source)
     data = ModalData(
         structure.name,
         body,

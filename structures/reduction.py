@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.linalg import qr
 from scipy.sparse import csc_matrix, issparse
 from scipy.sparse.linalg import splu
 
 from .assembled import Structure, rigid_motions
 from .errors import StructureError
+from .free_modes import FreeModes
 from .lading import Lump, carried
 from .model import Array
 
@@ -147,6 +149,22 @@ def proposed(structure: Structure, count: int = 98, further: Sequence[int] = ())
         far = np.linalg.norm(structure.positions - structure.positions[node], axis=1)
         away = np.minimum(away, far)
     return np.unique(degrees)
+
+
+def by_modes(structure: Structure, modes: FreeModes, count: int = 98) -> Array:
+    """Translations to retain so that the modes given are told apart best, growing.
+
+    QR with pivoting of the shapes, each row by the root of its mass, each mode by the root of its
+    frequency: the rows that pivots choose are the most independent ones (Schedlinski and Link, An
+    approach to optimal pick-up and exciter placement, 14th International Modal Analysis Conference,
+    1996). As many modes as degrees of freedom are best.
+    """
+    translations = np.flatnonzero(np.arange(structure.degrees) % 6 < 3)
+    frequencies = np.r_[np.full(6, modes.frequencies[0]), modes.frequencies]
+    shapes = np.hstack([modes.rigid, modes.shapes])[translations] / np.sqrt(frequencies)
+    weight = np.sqrt(np.maximum(structure.mass.diagonal()[translations], 0.0))
+    _, _, order = qr((shapes * weight[:, None]).T, mode="economic", pivoting=True)
+    return np.sort(translations[order[:count]])
 
 
 def _nearest(positions: Array, position: Array, nodes: Array) -> Array:

@@ -7,7 +7,7 @@ section, since the mirror image brings the other half.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -20,6 +20,9 @@ from .numbers import Numbers, numbers
 SIDES = (1, -1)
 ROWS = 3
 """Patches of a side wall above the floor."""
+
+FLUSH = 1e-9
+"""Heights and stations that differ by less [m] are one."""
 
 HALF = "half of the "
 """Before the name of a section that lies in x = 0."""
@@ -52,25 +55,20 @@ class _Car:
     def __post_init__(self) -> None:
         self.d = self.of.dimensions
         self.stations = [float(x) for x in self.of.floor[0]]
-        self.lowest = float(self.of.floor[1].min())
 
     def floor_z(self, x: float) -> float:
         return float(np.interp(x, *self.of.floor))
 
-    def open(self, *stations: float) -> bool:
-        """Whether the doors of the bay are there, which do not carry."""
-        edges = [x for x in self.stations if self.floor_z(x) < self.lowest + 1e-9]
-        return all(edges[0] <= x <= edges[-1] for x in stations)
+    @property
+    def bay(self) -> tuple[float, float]:
+        """Where the doors of the bay begin and end: between the floor's lowest stations."""
+        lowest = [x for x in self.stations if self.floor_z(x) < min(self.of.floor[1]) + FLUSH]
+        return lowest[0], lowest[-1]
 
-    def inside_bay(self, x: float) -> bool:
-        """Whether a section is of the bay, and none of its edges."""
-        return self.open(*(at for at in self.stations if abs(at - x) < 1e-9)) and all(
-            self.open(x, at) for at in self._beside(x)
-        )
-
-    def _beside(self, x: float) -> list[float]:
-        place = self.stations.index(x)
-        return self.stations[max(place - 1, 0) : place + 2]
+    def open(self, x: float, ahead: float) -> bool:
+        """Whether there are doors between two sections, which do not carry."""
+        begin, end = self.bay
+        return begin <= x and ahead <= end
 
     def sill(self, x: float, side: int, top: bool) -> Place:
         return (x, side * self.d["sill_half_width"], self.d["sill_height"] if top else 0.0)
@@ -96,81 +94,56 @@ class _Car:
         """What runs the length of the car: walls, floor, centre sill, side sills, top chords."""
         for x, ahead in pairwise(self.stations):
             for side in SIDES:
-                for row in range(ROWS + 1):
-                    self._strip("side_wall", "side walls", x, ahead, *(
-                        [self.wall(at, side, r) for at in (x, ahead)] for r in (row, row + 1)
-                    ))  # fmt: skip
-                for place in () if self.open(x, ahead) else (0, 1):
-                    self._strip("floor", "floor", x, ahead, *(
-                        [self.floor(at, side, p) for at in (x, ahead)] for p in (place, place + 1)
-                    ))  # fmt: skip
-                top = ROWS + 1
-                self._chord(
-                    "top_chord", "top chords", self.wall(x, side, top), self.wall(ahead, side, top)
-                )
-            level = self.d["sill_height"]
-            if max(self.floor_z(x), self.floor_z(ahead)) > level + 1e-9:  # else it is the cover
-                self._strip("floor", "floor", x, ahead, *(
-                    [self.floor(at, side, 0) for at in (x, ahead)] for side in SIDES
-                ))  # fmt: skip
+                wall = [[self.wall(at, side, row) for at in (x, ahead)] for row in range(ROWS + 2)]
+                for low, high in pairwise(wall):
+                    self._strip("side_wall", "side walls", low, high)
+                self.mesh.line((wall[-1][0], wall[-1][1]), "top_chord", "top chords")
+                floor = [[self.floor(at, side, place) for at in (x, ahead)] for place in range(3)]
+                for inner, outer in () if self.open(x, ahead) else pairwise(floor):
+                    self._strip("floor", "floor", inner, outer)
+            if max(self.floor_z(x), self.floor_z(ahead)) > self.d["sill_height"] + FLUSH:
+                left, right = ([self.floor(at, side, 0) for at in (x, ahead)] for side in SIDES)
+                self._strip("floor", "floor", left, right)
         for x, ahead in pairwise([*self.stations, self.d["end_x"]]):
+            tops = []
             for side in SIDES:
-                self._strip("sill_web", "centre sill", x, ahead, *(
-                    [self.sill(at, side, top) for at in (x, ahead)] for top in (False, True)
-                ))  # fmt: skip
-                self._chord(
-                    "sill_flange",
-                    "centre sill",
-                    self.sill(x, side, False),
-                    self.sill(ahead, side, False),
-                )
-                self._chord(
-                    "side_sill", "side sills", self.wall_sill(x, side), self.wall_sill(ahead, side)
-                )
-            self._strip("sill_cover", "centre sill", x, ahead, *(
-                [self.sill(at, side, True) for at in (x, ahead)] for side in SIDES
-            ))  # fmt: skip
+                low, top = ([self.sill(at, side, up) for at in (x, ahead)] for up in (False, True))
+                self._strip("sill_web", "centre sill", low, top)
+                self.mesh.line((low[0], low[1]), "sill_flange", "centre sill")
+                ends = (self.wall_sill(x, side), self.wall_sill(ahead, side))
+                self.mesh.line(ends, "side_sill", "side sills")
+                tops.append(top)
+            self._strip("sill_cover", "centre sill", *tops)
+
+    def _strip(self, section: str, part: str, one: Sequence[Place], other: Sequence[Place]) -> None:
+        """A patch between two lines along the car."""
+        self.mesh.patch([one[0], one[1], other[1], other[0]], section, part)
 
     def wall_sill(self, x: float, side: int) -> Place:
         return (x, side * self.d["half_width"], self.d["side_sill_z"])
 
-    def _strip(self, section: str, part: str, x: float, ahead: float, low, high) -> None:
-        self.mesh.patch([low[0], low[1], high[1], high[0]], section, part)
-
-    def _chord(self, section: str, part: str, a: Place, b: Place) -> None:
-        self.mesh.line((a, b), section, part)
-
     def across(self, x: float) -> None:
         """Plates from the sills up to the floor, and the bearer between them: bolster or ridge."""
         bolster = x > 0
-        part = "bolsters" if bolster else "ridge"
-        half = "" if bolster else HALF
+        part, half = ("bolsters", "") if bolster else ("ridge", HALF)
+        bearer = ("bolster_inner", "bolster_outer") if bolster else (f"{half}cross_bearer",) * 2
         plate = f"{half}diaphragm"
-        if self.floor_z(x) > self.d["sill_height"] + 1e-9:
-            middle = [self.sill(x, side, True) for side in SIDES]
+        tops = [self.sill(x, side, True) for side in SIDES]
+        if self.floor_z(x) > self.d["sill_height"] + FLUSH:
             above = [self.floor(x, side, 0) for side in reversed(SIDES)]
-            self.mesh.patch([*middle, *above], plate, part)
-        self.mesh.patch(
-            [self.sill(x, 1, False), self.sill(x, -1, False), self.sill(x, -1, True),
-             self.sill(x, 1, True)], plate, "centre sill",
-        )  # fmt: skip
-        for side in SIDES:
-            root, middle, tip = (
-                self.sill(x, side, True),
-                self.bearer(x, side),
-                self.wall(x, side, 0),
-            )
-            self.mesh.patch(
-                [root, middle, self.floor(x, side, 1), self.floor(x, side, 0)], plate, part
-            )
-            self.mesh.patch(
-                [middle, tip, self.floor(x, side, 2), self.floor(x, side, 1)], plate, part
-            )
-            inner, outer = (
-                ("bolster_inner", "bolster_outer") if bolster else (f"{half}cross_bearer",) * 2
-            )
-            self.mesh.line((root, middle), inner, part)
-            self.mesh.line((middle, tip), outer, part)
+            self.mesh.patch([*tops, *above], plate, part)
+        self._between_webs(x, plate)
+        for side, root in zip(SIDES, tops, strict=True):
+            line = [root, self.bearer(x, side), self.wall_sill(x, side)]
+            above = [self.floor(x, side, place) for place in range(3)]
+            for section, low, high in zip(bearer, pairwise(line), pairwise(above), strict=True):
+                self.mesh.patch([low[0], low[1], high[1], high[0]], plate, part)
+                self.mesh.line(low, section, part)
+
+    def _between_webs(self, x: float, plate: str) -> None:
+        """A plate that closes the centre sill at a section."""
+        corners = ((1, False), (-1, False), (-1, True), (1, True))
+        self.mesh.patch([self.sill(x, side, top) for side, top in corners], plate, "centre sill")
 
     def stakes(self) -> None:
         """At every station a frame: stakes on the side walls, stiffeners under the floor."""
@@ -180,7 +153,7 @@ class _Car:
                 for row in range(ROWS + 1):
                     ends = (self.wall(x, side, row), self.wall(x, side, row + 1))
                     self.mesh.line(ends, f"{half}stake", "stakes", up=(0.0, 1.0, 0.0))
-            if self.inside_bay(x):
+            if self.bay[0] < x < self.bay[1]:
                 continue
             line = [self.floor(x, 1, p) for p in (2, 1, 0)]
             line += [self.floor(x, -1, p) for p in (0, 1, 2)]
@@ -199,7 +172,7 @@ class _Car:
             for row in range(ROWS):
                 corners = [at(foot, row), at(other, row), at(other, row + 1), at(foot, row + 1)]
                 self.mesh.patch(corners, "end_wall", "end walls")
-            self._chord("top_chord", "top chords", at(foot, ROWS), at(other, ROWS))
+            self.mesh.line((at(foot, ROWS), at(other, ROWS)), "top_chord", "top chords")
         for side in SIDES:
             middle, tip = self.bearer(out, side), self.wall_sill(out, side)
             self.mesh.line((self.sill(out, side, True), middle), "end_sill", "end sills")
@@ -208,8 +181,7 @@ class _Car:
                 (middle, self.floor(x, side, 1)), "end_post", "end posts", (1.0, 0.0, 0.0)
             )
         self.mesh.line((self.sill(out, 1, True), self.sill(out, -1, True)), "end_sill", "end sills")
-        corners = [self.sill(out, side, top) for side, top in ((1, 0), (-1, 0), (-1, 1), (1, 1))]
-        self.mesh.patch(corners, "diaphragm", "centre sill")
+        self._between_webs(out, "diaphragm")
 
     def centre_plate(self) -> int:
         """The casting between the sill's webs over the centre plate."""
@@ -225,7 +197,9 @@ class _Car:
     def sill_end(self) -> list[int]:
         """Nodes that coupler and draft gear hang on."""
         out = self.d["end_x"]
-        return [self.mesh.node(self.sill(out, side, top)) for side in SIDES for top in (0, 1)]
+        return [
+            self.mesh.node(self.sill(out, side, top)) for side in SIDES for top in (False, True)
+        ]
 
 
 def _sections(of: Numbers) -> dict[str, Plate | Beam]:
@@ -247,7 +221,13 @@ def _mixed(one: Beam, other: Beam, share: float, factor: float = 1.0) -> Beam:
     def of(name: str) -> float:
         return factor * ((1 - share) * getattr(one, name) + share * getattr(other, name))
 
-    return replace(one, **{n: of(n) for n in ("area", "second_y", "second_z", "torsion")})
+    return replace(
+        one,
+        area=of("area"),
+        second_y=of("second_y"),
+        second_z=of("second_z"),
+        torsion=of("torsion"),
+    )
 
 
 def _weighed(of: Numbers, mesh: Mesh, front: int, sill_end: list[int]) -> Model:

@@ -130,7 +130,7 @@ def _rolled(place: str, entry: Mapping[str, Any], material: Material) -> Beam:
     on = "plate": it stands on a plate, and bends about the plate's plane; "side": it lies.
     """
     shapes = tomllib.loads(_shipped("rolled.toml"))
-    shape = shapes.get(entry.get("shape"))
+    shape = shapes.get(str(entry.get("shape")))
     if shape is None:
         raise StructureError(
             f"{place} has the shape {entry.get('shape')!r}; there are {', '.join(shapes)}"

@@ -6,9 +6,10 @@ from importlib.resources import files
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 
-from fmus.describe.parameters import parameter_set
 from fmus.carbody import Carbody
+from fmus.describe.parameters import parameter_set
 from structures.elements import assembled
 from structures.errors import StructureError
 from structures.free_modes import free_modes
@@ -17,6 +18,7 @@ from structures.hopper import hopper_half, numbers
 from structures.hopper.coal import lumps, springs
 from structures.lading import laden
 from structures.modal import modal_data
+from structures.reduction import by_modes, reduced
 from structures.rigid import grounding, mass_properties
 
 pytestmark = pytest.mark.xdist_group("hopper")  # one worker makes what all share
@@ -129,6 +131,17 @@ def test_a_spoilt_file_of_dimensions_is_refused_in_words(tmp_path, old, new, mes
     path.write_text(text.replace(old, new, 1))
     with pytest.raises(StructureError, match=message):
         numbers(path)
+
+
+def test_98_degrees_of_freedom_keep_the_modes_under_30_hz(empty):
+    """Reduced frequencies are never below the full ones, and at most 1.5 % above."""
+    full = free_modes(empty, 92)
+    small = reduced(empty, by_modes(empty, full, 98))
+    assert small.degrees == 98
+    found = np.sqrt(eigh(small.stiffness, small.mass, eigvals_only=True)[6:]) / (2 * np.pi)
+    below = full.frequencies < 30.0
+    ratio = found[: len(below)][below] / full.frequencies[below]
+    assert (ratio > 1 - 1e-9).all() and ratio.max() < 1.015
 
 
 @pytest.mark.slow

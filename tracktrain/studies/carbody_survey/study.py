@@ -121,10 +121,12 @@ def _under_test(
         return default_data(parameters_of(car)["carbody"]), place, given
     if fmu is not None:
         raise TracktrainError("fmu and carbody both name what is surveyed; give one of them")
-    own = isinstance(carbody, ModalData)
-    data = with_residual_modes(carbody) if own else carbody_data(carbody, car)
-    if not own and carbody.suffix.lower() == ".fmu":
-        return data, carbody, {}
+    if isinstance(carbody, ModalData):
+        data = with_residual_modes(carbody)
+    else:
+        data = carbody_data(carbody, car)
+        if carbody.suffix.lower() == ".fmu":
+            return data, carbody, {}
     return data, carbody_fmu(data), {}
 
 
