@@ -14,13 +14,13 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 from .assembled import Structure, rigid_motions
 from .errors import StructureError
 from .model import Array
-from .rigid import listed
+from .rigid import check_free, listed, mass_properties
 
 SHIFT = 1.0
 """Frequency [Hz] whose negative square K is shifted by, so that it can be factored."""
 
-RIGID = 1e-3
-"""Part of the lowest elastic frequency below which a frequency counts as none."""
+NONE = 0.01
+"""Frequency [Hz] below which a motion counts as one without stiffness."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,12 +45,14 @@ def free_modes(structure: Structure, count: int = 10) -> FreeModes:
     to the rigid ones, and to each other. Raises StructureError for a mechanism, for a structure
     without mass, and for a negative stiffness.
     """
+    mass_properties(structure)
+    check_free(structure)
     rigid = rigid_modes(structure)
     stiffness, mass = structure.stiffness, structure.mass
     shift = (2 * pi * SHIFT) ** 2
     wanted = min(count + 6, structure.degrees - 2)
     if issparse(stiffness) and structure.degrees > 400:
-        squared, vectors = _lanczos(stiffness, mass, shift, wanted)
+        squared, vectors = _lanczos(structure, shift, wanted)
     else:
         squared, vectors = _dense(stiffness, mass, structure)
     _check(structure, squared, vectors)
@@ -63,8 +65,19 @@ def free_modes(structure: Structure, count: int = 10) -> FreeModes:
     return FreeModes(np.sqrt(np.maximum(own, 0.0)) / (2 * pi), shapes, rigid)
 
 
-def _lanczos(stiffness: Any, mass: Any, shift: float, count: int) -> tuple[Array, Array]:
-    factor = splu(csc_matrix(stiffness + shift * mass))
+def _lanczos(structure: Structure, shift: float, count: int) -> tuple[Array, Array]:
+    stiffness, mass = structure.stiffness, structure.mass
+    # without pivoting the factor's diagonal has the signs of the eigenvalues (Sylvester)
+    factor = splu(
+        csc_matrix(stiffness + shift * mass),
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )
+    pivots = factor.U.diagonal()
+    if pivots.min() < 0:
+        degree = int(np.flatnonzero(factor.perm_c == int(pivots.argmin()))[0])
+        raise _negative(structure, structure.label(degree))
     inverse = LinearOperator(stiffness.shape, matvec=factor.solve)
     start = np.random.default_rng(1980).standard_normal(stiffness.shape[0])
     squared, vectors = eigsh(stiffness, count, mass, sigma=-shift, OPinv=inverse, v0=start)
@@ -97,16 +110,11 @@ def _without_massless(k: Array, m: Array, structure: Structure) -> tuple[Array, 
 
 
 def _check(structure: Structure, squared: Array, vectors: Array) -> None:
-    scale = float(np.abs(squared[min(6, len(squared) - 1) :]).max())
-    none = max((RIGID**2) * scale, 0.0)
+    none = max((2 * pi * NONE) ** 2, 1e-10 * float(np.abs(squared).max()))
     negative = squared < -none
     if negative.any():
         which = int(np.argmin(squared))
-        raise StructureError(
-            f"{structure.name}: the stiffness is negative in a motion of "
-            f"{_where(structure, vectors[:, which])} (eigenvalue {squared[which]:.3g} 1/s2); "
-            "a structure cannot push itself"
-        )
+        raise _negative(structure, _where(structure, vectors[:, which]))
     zero = int(np.count_nonzero(np.abs(squared) <= none))
     if zero > 6:
         rigid = rigid_modes(structure)
@@ -122,6 +130,13 @@ def _check(structure: Structure, squared: Array, vectors: Array) -> None:
             f"{structure.name} has {zero} rigid motions; a free carbody has six: take off what "
             "holds it to the ground"
         )
+
+
+def _negative(structure: Structure, where: str) -> StructureError:
+    return StructureError(
+        f"{structure.name}: the stiffness is negative in a motion of {where}; a structure cannot "
+        "push itself"
+    )
 
 
 def _where(structure: Structure, shape: Array) -> str:

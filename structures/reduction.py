@@ -53,6 +53,14 @@ def reduced(structure: Structure, retained: Sequence[int] | Array) -> Reduced:
             f"{structure.name}: degrees of freedom from 0 to {structure.degrees - 1} can be "
             "retained"
         )
+    centre = structure.positions.mean(axis=0)
+    size = float(np.ptp(structure.positions, axis=0).max())
+    motions = rigid_motions((structure.positions - centre) / size)
+    if np.linalg.matrix_rank(motions[kept], tol=1e-6) < 6:
+        raise StructureError(
+            f"{structure.name}: the {len(kept)} degrees of freedom that are retained leave the "
+            "others free to move rigidly; retain six at least that hold the structure"
+        )
     shape = np.zeros((structure.degrees, len(kept)))
     shape[kept, range(len(kept))] = 1.0
     collapsed = np.setdiff1d(np.arange(structure.degrees), kept)
@@ -60,13 +68,7 @@ def reduced(structure: Structure, retained: Sequence[int] | Array) -> Reduced:
     if len(collapsed):
         inner = csc_matrix(stiffness[collapsed][:, collapsed])
         across = stiffness[collapsed][:, kept].toarray()
-        try:
-            shape[collapsed] = -splu(inner).solve(across)  # report (4-5)
-        except RuntimeError as error:
-            raise StructureError(
-                f"{structure.name}: the {len(kept)} degrees of freedom that are retained leave the "
-                "others free to move rigidly; retain six at least that hold the structure"
-            ) from error
+        shape[collapsed] = -splu(inner).solve(across)  # report (4-5)
     return Reduced(
         structure,
         kept,
