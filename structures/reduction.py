@@ -108,17 +108,27 @@ def again(first: Reduced, retained: Sequence[int] | Array, mass: Array | None = 
 def mass_on(structure: Structure, retained: Array) -> Array:
     """The report's cheaper way: mass formed directly on a coarse set, (retained, retained).
 
-    The mass of each node goes to the translations of the nearest retained nodes, as the lading's
-    lumps do (4-12): mass and centre of gravity stay, the distribution is coarser.
+    Nodes whose translations are retained keep their mass; that of others goes to the nearest of
+    these, as the lading's lumps do (4-12). Mass and centre of gravity stay, the distribution is
+    coarser. Retained rotations keep what is on the diagonal.
     """
     kept = np.unique(np.asarray(retained, int))
     nodes, counts = np.unique(kept[kept % 6 < 3] // 6, return_counts=True)
     nodes = nodes[counts == 3]
     place = {int(degree): i for i, degree in enumerate(kept)}
     total = np.zeros((len(kept), len(kept)))
+    own_nodes = {int(node) for node in nodes}
+    turning = np.flatnonzero(kept % 6 >= 3)
+    inertia = structure.mass.diagonal()[kept[turning]]
+    # a shell has no inertia about its normal: a little, so that the matrix can be factored
+    total[turning, turning] = np.maximum(inertia, 1e-3 * inertia.max(initial=0.0))
     diagonal = _lumped(structure)
-    for _node, (mass, position) in enumerate(zip(diagonal, structure.positions, strict=True)):
+    for node, (mass, position) in enumerate(zip(diagonal, structure.positions, strict=True)):
         if mass <= 0:
+            continue
+        if node in own_nodes:
+            own = [place[6 * node + d] for d in range(3)]
+            total[own, own] += mass
             continue
         near = _nearest(structure.positions[nodes], position, nodes)
         lump = Lump(float(mass), (0.0, 0.0, 0.0), tuple(position), tuple(int(n) for n in near))

@@ -157,10 +157,7 @@ def test_mass_formed_on_the_coarse_set_keeps_mass_and_centre_and_moves_frequenci
         assert total[:3, :3] == pytest.approx(np.eye(3) * mass_properties(whole).mass, abs=1e-6)
         exact = mass_properties(whole).matrix
         assert total[:3, 3:] == pytest.approx(exact[:3, 3:], abs=1e-6 * abs(exact).max())
-    kinds = (
-        eigh(first.stiffness, m + 1e-9 * np.eye(len(m)), eigvals_only=True)[6]
-        for m in (first.mass, coarse)
-    )
+    kinds = (eigh(first.stiffness, m, eigvals_only=True)[6] for m in (first.mass, coarse))
     consistent, cheap = (np.sqrt(value) / 2 / pi for value in kinds)
     assert cheap != pytest.approx(consistent, rel=1e-4) and cheap == pytest.approx(
         consistent, rel=0.2
@@ -188,8 +185,10 @@ def test_lading_comes_out_with_its_mass_centre_and_inertia(whole):
 
 
 def test_stiff_lading_leaves_rigid_motions_free_and_raises_frequencies(whole):
-    lumps = [replace(LUMP, centre=(x, 0.0, 0.4), adjacent=near)
-             for x, near in ((-1.0, tuple(range(14, 42))), (1.0, tuple(range(77, 105))))]  # fmt: skip
+    lumps = [
+        replace(LUMP, centre=(x, 0.0, 0.4), adjacent=near)
+        for x, near in ((-1.0, tuple(range(14, 42))), (1.0, tuple(range(77, 105))))
+    ]
     stiffness = (1e8, 1e8, 1e8, 1e7, 1e7, 1e7)
     soft, stiff = laden(whole, lumps), laden(whole, lumps, [Spring(0, 1, stiffness)])
     assert grounding(stiff).worst < 1e-6
@@ -219,7 +218,9 @@ def test_negative_stiffness_and_missing_mass_are_refused(whole):
         for x, near in ((-1.0, tuple(range(14, 42))), (1.0, tuple(range(77, 105))))
     ]
     pushing = laden(whole, lumps, [Spring(0, 1, (-1e9,) * 6)])
-    with pytest.raises(StructureError, match="the stiffness is negative in a motion of .* of node"):
+    with pytest.raises(
+        StructureError, match=r"the stiffness is negative in a motion of .* of node"
+    ):
         free_modes(pushing, 4)
     with pytest.raises(StructureError, match="its mass is 0 kg"):
         mass_properties(replace(whole, mass=csc_matrix(whole.mass.shape)))
