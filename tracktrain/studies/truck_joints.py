@@ -13,6 +13,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from fmus.catalogue import fmu_path
+from fmus.describe.elements import friction_force, slip_after, spring_force
 from fmus.truck.mass import mass_matrix
 from fmus.truck.ports import ELEMENTS
 from fmus.truck_joints.bodies import inertias
@@ -20,7 +21,7 @@ from fmus.truck_joints.reduction import KINDS, analog, shapes
 
 from ..car.hopper import parameters_of
 from ..options.car import car_option
-from ..plots import BLUE, RED, STYLE, conversion
+from ..plots import BLUE, GREEN, RED, STYLE, conversion
 from ..scales import INCH, POUND_FORCE
 from .common.command import study_command
 from .common.outcome import Outcome
@@ -57,7 +58,7 @@ def truck_joints(car: str = "loaded") -> Outcome:
             "one_joint_two_rows": _demands(six, joints),
             "together": _together(six),
         },
-        pictures={"figure_4_20": _figure(dataset)},
+        pictures={"figure_4_20": _figure(dataset), "figure_4_14": _parts(six, joints)},
         notes=[
             f"Phi^T M Phi of the five bodies and the mass matrix of the truck block differ by "
             f"{_mass_difference(joints):.1e} of its largest element, (4-29) to (4-31)",
@@ -197,6 +198,52 @@ def _figure(dataset: xr.Dataset) -> Figure:
     figure.axes[0].legend(frameon=False, fontsize=8)
     figure.suptitle("Hysteresis of each deflection shape: joints and analog", ha="left", x=0.01)
     return figure
+
+
+PARTS = {"bolster_lateral": ("bolster_end_lateral", 2), "warp": ("adapter_yaw", 6)}
+"""Shapes whose joints are all strained alike: one of these joints, and how many there are."""
+
+
+@mpl.rc_context(STYLE)
+def _parts(six: Values, joints: Values) -> Figure:
+    """Spring, friction and both, of one joint, of all that a shape strains, and of the analog."""
+    figure = Figure(figsize=(10.0, 6.2), layout="constrained")
+    grid = figure.subplots(len(PARTS), 3)
+    for row, (shape, (joint, count)) in zip(grid, PARTS.items(), strict=True):
+        reach = 1.2 * six[f"{shape}.free_play"]
+        turns = np.cumsum([0, 1, -2, 2]) * reach
+        strain = np.interp(np.linspace(0, 3, 601), range(4), turns)
+        one, analog_ = (_quasi_static(strain, v, n) for v, n in ((joints, joint), (six, shape)))
+        length, force = ("mm", "kN") if ELEMENTS[shape] == "m" else ("mrad", "kN.m")
+        for axes, single, whole, title in zip(
+            row,
+            one,
+            analog_,
+            ("spring (Figure 4-16)", "friction (4-17)", "both (4-14)"),
+            strict=True,
+        ):
+            for values, colour, width, label in (
+                (whole, BLUE, 3.0, "analog"),
+                (count * single, RED, 1.2, f"{count} joints"),
+                (single, GREEN, 1.2, "one joint"),
+            ):
+                axes.plot(1e3 * strain, 1e-3 * values, color=colour, linewidth=width, label=label)
+            axes.set_title(f"{shape.replace('_', ' ')}: {title}")
+            axes.set_xlabel(f"strain [{length}]")
+            axes.set_ylabel(f"force [{force}]")
+        row[0].legend(frameon=False, fontsize=8)
+    return figure
+
+
+def _quasi_static(strain: np.ndarray, values: Values, name: str) -> tuple[np.ndarray, ...]:
+    """Force of spring, of friction and of both along a path of the strain."""
+    k0, k1, kf, limit, play = (ca.SX(values[f"{name}.{kind}"]) for kind in KINDS)
+    e, slip = ca.SX.sym("strain"), ca.SX.sym("slip")
+    parts = spring_force(e, k0, k1, play), friction_force(e, slip, kf, limit)
+    along = ca.Function("along", [slip, e], [slip_after(e, slip, limit / kf), *parts])
+    _, *found = along.mapaccum(len(strain))(0.0, strain)
+    spring, friction = (np.array(part).ravel() for part in found)
+    return spring, friction, spring + friction
 
 
 def _closed(values: np.ndarray) -> np.ndarray:

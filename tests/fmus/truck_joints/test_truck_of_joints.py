@@ -241,6 +241,17 @@ def test_adapters_give_way_at_four_times_their_friction(twin_of, values_of):
     assert total == pytest.approx(60_000 * 4.4482216152605, rel=1e-9)
 
 
+@pytest.mark.parametrize("stiffness", [None, 1e10])
+def test_a_millisecond_is_as_good_as_many_short_steps(twin_of, stiffness):
+    """With the shipped joints, and with stiff ones, for which the block shortens its micro step."""
+    joints = stiffened(stiffness) if stiffness else {}
+    usual, fine = (
+        driven(twin_of("truck_joints", None, **joints, **step), SHAPES, steps=60)
+        for step in ({}, {"micro_step": 1e-5})
+    )
+    assert np.max(np.abs(usual - fine).max(axis=0) / np.abs(fine).max(axis=0)) < 1e-3
+
+
 def test_very_stiff_joints_stay_stable_in_steps_of_a_millisecond(twin_of):
     twin = twin_of("truck_joints", None, **stiffened(1e12))
     assert np.all(np.isfinite(driven(twin, SHAPES, steps=10)))
