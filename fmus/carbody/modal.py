@@ -151,7 +151,7 @@ class ModalCarbody(ModalBody):
         }
 
     def shape(self, d: Signals, point: str) -> ca.SX:
-        """Rigid columns: displacement plus rotation times arm, (2)."""
+        """Rigid columns: displacement plus rotation times arm, (7)."""
         rows = self._rows[point]
         rigid = ca.SX(len(DIRECTIONS), len(RIGID))
         x, y, z, roll, pitch, yaw = range(len(DIRECTIONS))

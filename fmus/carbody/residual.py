@@ -21,7 +21,7 @@ MOTION_OF_LOAD = [DIRECTIONS.index(name) for name in ("y", "z", "roll", "yaw")]
 def with_residual_modes(
     data: ModalData, frequency: float | None = None, damping: float | None = None
 ) -> ModalData:
-    """The residual flexibility G of the data as modes of one high frequency, and none left. (7)
+    """The residual flexibility G of the data as modes above all others. README (8)
 
     Modes of unit mass and frequency w_r with shapes R, where R R^T = w_r^2 G, give way by G under
     loads that are slow against w_r. They have mass, so that displacements follow the loads through
@@ -55,7 +55,7 @@ def with_residual_modes(
         modes=(*data.modes, *residual),
         shapes=np.concatenate([data.shapes, shapes]),
         residual_flexibility=None,
-        provenance=(*data.provenance, f"{len(residual)} residual modes: {source}"),
+        provenance=(*data.provenance, f"residual modes at {chosen:g} Hz: {len(residual)}"),
     )
 
 

@@ -131,6 +131,11 @@ def chosen_car(shape: Shape) -> System:
     if shape.carbody is not None:
         from ..car.carbody import with_carbody
 
+        own = hopper.layout_of(system).carbody
+        if any(instance == own for instance, _, _ in shape.swaps):
+            raise TracktrainError(
+                f"'{shape.carbody}' and --swap {own} both give the carbody; leave out one of them"
+            )
         system, said = with_carbody(system, shape.carbody, shape.car)
         notes += said
     port_maps = _port_maps(shape)
