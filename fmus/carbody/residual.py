@@ -9,7 +9,7 @@ import numpy as np
 from ..errors import ParameterError
 from .modal_data import DIRECTIONS, ENDS, ModalData, Mode
 
-ABOVE, LEAST = 4.0, 150.0
+ABOVE, LEAST = 2.5, 100.0
 """Of the residual modes, where nobody says: over the highest of the others, and at least [Hz]."""
 
 NEGLIGIBLE = 1e-9

@@ -71,8 +71,8 @@ Examples:
     type=Residual("frequency", "Hz", ("Hz", "1/s"), "80 Hz"),
     metavar="FREQUENCY|none",
     help="How the flexibility of the modes left out counts at the centre plates: as modes of this "
-    "frequency, above all that matters, or not at all.  [default: 4 x the highest kept, at least "
-    "150 Hz]",
+    "frequency, above all that matters, or not at all.  [default: 2.5 x the highest kept, at least "
+    "100 Hz]",
 )
 @click.option(
     "--write",
