@@ -24,6 +24,7 @@ ROWS = 3
 FLUSH = 1e-9
 """Heights and stations that differ by less [m] are one."""
 
+CROSS = "cross members"
 HALF = "half of the "
 """Before the name of a section that lies in x = 0."""
 
@@ -125,20 +126,20 @@ class _Car:
     def across(self, x: float) -> None:
         """Plates from the sills up to the floor, and the bearer between them: bolster or ridge."""
         bolster = x > 0
-        part, half = ("bolsters", "") if bolster else ("ridge", HALF)
+        half = "" if bolster else HALF
         bearer = ("bolster_inner", "bolster_outer") if bolster else (f"{half}cross_bearer",) * 2
         plate = f"{half}diaphragm"
         tops = [self.sill(x, side, True) for side in SIDES]
         if self.floor_z(x) > self.d["sill_height"] + FLUSH:
             above = [self.floor(x, side, 0) for side in reversed(SIDES)]
-            self.mesh.patch([*tops, *above], plate, part)
+            self.mesh.patch([*tops, *above], plate, CROSS)
         self._between_webs(x, plate)
         for side, root in zip(SIDES, tops, strict=True):
             line = [root, self.bearer(x, side), self.wall_sill(x, side)]
             above = [self.floor(x, side, place) for place in range(3)]
             for section, low, high in zip(bearer, pairwise(line), pairwise(above), strict=True):
-                self.mesh.patch([low[0], low[1], high[1], high[0]], plate, part)
-                self.mesh.line(low, section, part)
+                self.mesh.patch([low[0], low[1], high[1], high[0]], plate, CROSS)
+                self.mesh.line(low, section, CROSS)
 
     def _between_webs(self, x: float, plate: str) -> None:
         """A plate that closes the centre sill at a section."""
@@ -152,7 +153,7 @@ class _Car:
             for side in SIDES:
                 for row in range(ROWS + 1):
                     ends = (self.wall(x, side, row), self.wall(x, side, row + 1))
-                    self.mesh.line(ends, f"{half}stake", "stakes", up=(0.0, 1.0, 0.0))
+                    self.mesh.line(ends, f"{half}stake", "stakes and posts", up=(0.0, 1.0, 0.0))
             if self.bay[0] < x < self.bay[1]:
                 continue
             line = [self.floor(x, 1, p) for p in (2, 1, 0)]
@@ -175,12 +176,12 @@ class _Car:
             self.mesh.line((at(foot, ROWS), at(other, ROWS)), "top_chord", "top chords")
         for side in SIDES:
             middle, tip = self.bearer(out, side), self.wall_sill(out, side)
-            self.mesh.line((self.sill(out, side, True), middle), "end_sill", "end sills")
-            self.mesh.line((middle, tip), "end_sill", "end sills")
+            self.mesh.line((self.sill(out, side, True), middle), "end_sill", CROSS)
+            self.mesh.line((middle, tip), "end_sill", CROSS)
             self.mesh.line(
-                (middle, self.floor(x, side, 1)), "end_post", "end posts", (1.0, 0.0, 0.0)
+                (middle, self.floor(x, side, 1)), "end_post", "stakes and posts", (1.0, 0.0, 0.0)
             )
-        self.mesh.line((self.sill(out, 1, True), self.sill(out, -1, True)), "end_sill", "end sills")
+        self.mesh.line((self.sill(out, 1, True), self.sill(out, -1, True)), "end_sill", CROSS)
         self._between_webs(out, "diaphragm")
 
     def centre_plate(self) -> int:
@@ -189,9 +190,7 @@ class _Car:
         plate = (x, 0.0, 0.0)
         for side in SIDES:
             for top in (False, True):
-                self.mesh.line(
-                    (plate, self.sill(x, side, top)), "casting", "castings", (1.0, 0.0, 0.0)
-                )
+                self.mesh.line((plate, self.sill(x, side, top)), "casting", CROSS, (1.0, 0.0, 0.0))
         return self.mesh.node(plate)
 
     def sill_end(self) -> list[int]:

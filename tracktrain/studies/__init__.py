@@ -14,6 +14,7 @@ STUDIES = {
     "stability": "Eigenvalues of the linearised car against speed (Figures 7-14 to 7-16)",
     "sensitivity": "What drives the hunting: derivatives of growth and critical speed",
     "carbody-survey": "Carbody on air springs: modal survey (Table 4-1, Figures 4-8, 4-9)",
+    "structure": "Carbody by finite elements: modes, survey, scaling, FMU, car (Tables 4-2 to 4-4)",
     "truck-hysteresis": "Truck on a rig: loops of every element (Figure 4-20)",
     "truck-joints": "Truck of five bodies and joints beside its analog (Table 4-5, Figure 4-14)",
     "identify": "Analog parameters of a truck element from a measured loop (Table 4-5)",
