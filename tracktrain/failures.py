@@ -15,6 +15,10 @@ from orchestrator import plain
 PACKAGES = ("tracktrain", "orchestrator", "fmus", "structures")
 
 
+FURTHER = ("pyfe3d", "pyuff", "pyNastran", "sectionproperties")
+"""Packages of the extra `structures`."""
+
+
 class BadInput(click.ClickException):
     """What was asked for cannot be run."""
 
@@ -54,6 +58,11 @@ def clear_errors() -> Iterator[None]:
     except OSError as error:
         raise Stopped(plain(_told(error))) from None
     except Exception as error:
+        if isinstance(error, ModuleNotFoundError) and error.name in FURTHER:
+            raise BadInput(
+                f"this needs the package {error.name}, which is not installed; install the extra: "
+                "python -m pip install 'tracktrain[structures]'"
+            ) from None
         if type(error).__module__.partition(".")[0] in PACKAGES:
             raise BadInput(str(error)) from None
         fault = plain(f"{type(error).__name__}: {error}")

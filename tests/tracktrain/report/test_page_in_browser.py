@@ -15,7 +15,10 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
+from fmus.carbody.default_data import default_data
 from support.tools import need
+from tracktrain.car.hopper import parameters_of
+from tracktrain.report.modes_page import Drawing, modes_page
 
 BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
 DRIVER = shutil.which("chromedriver")
@@ -175,3 +178,22 @@ def test_colours_follow_the_systems_dark_mode(show: Callable[..., Driver]) -> No
     dark = driver.execute_script("return getComputedStyle(document.body).backgroundColor")
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
     assert dark != light
+
+
+def test_a_structures_modes_move_on_their_page(browser, tmp_path):
+    data = default_data(parameters_of("empty")["carbody"])
+    said = [(mode.name, f"{mode.frequency:.2f} Hz") for mode in data.modes]
+    path = tmp_path / "modes.html"
+    path.write_text(modes_page("Modes", Drawing.of(data), said, {}, {}))
+    browser.get(path.as_uri())
+    ready = "return document.documentElement.dataset.ready === 'yes'"
+    WebDriverWait(browser, 30).until(lambda d: d.execute_script(ready))
+    seen = "return document.getElementById('mode').toDataURL()"
+    pictures = [browser.execute_script(seen)]
+    for choice in browser.find_elements(By.CSS_SELECTOR, "#mode-choices input")[1:]:
+        choice.click()
+        pictures.append(browser.execute_script(seen))
+    browser.find_element(By.ID, "mode").send_keys(Keys.ARROW_RIGHT)
+    pictures.append(browser.execute_script(seen))
+    assert len(set(pictures)) == 4
+    assert [e for e in browser.get_log("browser") if e["level"] == "SEVERE"] == []
