@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from math import pi, sqrt
 
+import numpy as np
+
 from fmus.carbody.modes import BEAM_WAVE_NUMBER
+
+from .model import Array, Model, Plate
 
 GRAVITY_INCH = 386.0886
 """Acceleration of gravity [in/s2]."""
@@ -26,3 +30,36 @@ def printed_bending_frequency(
 ) -> float:
     """(4-1) as the report prints it, in lbf, in, s. weight over the length [lbf/in]. [Hz]"""
     return PRINTED_FACTOR * sqrt(young * second_moment / (weight * length**4))
+
+
+def second_moment(model: Model, x: float) -> float:
+    """Second moment about the horizontal axis of what a plane X = x cuts of a model [m4].
+
+    As (4-1) takes it: all members bend as one.
+    """
+    pieces = []
+    for element in model.elements:
+        section, corners = model.sections[element.section], model.corners(element)
+        cut = _cut(corners, x)
+        if len(cut) < 1:
+            continue
+        if isinstance(section, Plate):
+            rise, area = (
+                np.ptp(cut[:, 2]),
+                section.thickness * float(np.linalg.norm(np.ptp(cut, 0))),
+            )
+            pieces.append((area, cut[:, 2].mean(), area * rise**2 / 12))
+        else:
+            pieces.append((section.area, cut[0, 2], section.second_y))
+    area, height, own = np.array(pieces).T
+    middle = area @ height / area.sum()
+    return float(own.sum() + area @ (height - middle) ** 2)
+
+
+def _cut(corners: Array, x: float) -> Array:
+    """Where the sides of an element cross a plane X = x, (points, 3)."""
+    ahead = np.roll(corners, -1, axis=0)
+    below, above = corners[:, 0] - x, ahead[:, 0] - x
+    crossed = below * above < 0
+    share = (below[crossed] / (below[crossed] - above[crossed]))[:, None]
+    return corners[crossed] + share * (ahead[crossed] - corners[crossed])

@@ -163,15 +163,18 @@ def proposed(structure: Structure, count: int = 98, further: Sequence[int] = ())
     return np.unique(degrees)
 
 
-def by_modes(structure: Structure, modes: FreeModes, count: int = 98) -> Array:
+def by_modes(
+    structure: Structure, modes: FreeModes, count: int = 98, among: Array | None = None
+) -> Array:
     """Translations to retain so that the modes given are told apart best, growing.
 
     QR with pivoting of the shapes, each row by the root of its mass, each mode by the root of its
     frequency: the rows that pivots choose are the most independent ones (Schedlinski and Link, An
     approach to optimal pick-up and exciter placement, 14th International Modal Analysis Conference,
-    1996). As many modes as degrees of freedom are best.
+    1996). As many modes as degrees of freedom are best. among: degrees of freedom to choose from.
     """
-    translations = np.flatnonzero(np.arange(structure.degrees) % 6 < 3)
+    translations = np.arange(structure.degrees) if among is None else np.asarray(among, int)
+    translations = translations[translations % 6 < 3]
     frequencies = np.r_[np.full(6, modes.frequencies[0]), modes.frequencies]
     shapes = np.hstack([modes.rigid, modes.shapes])[translations] / np.sqrt(frequencies)
     weight = np.sqrt(np.maximum(structure.mass.diagonal()[translations], 0.0))

@@ -28,7 +28,7 @@ from ..carbody_survey import carbody_survey
 from ..common.command import study_command
 from ..common.given import taking
 from ..common.outcome import Outcome
-from .analysis import Analysis, analysed, check_table, model_table, reduction_table
+from .analysis import Analysis, analysed, beam_table, check_table, model_table, reduction_table
 from .cars import DURATION, SPEED, TRACK, compared_cars
 from .correlated import Correlated, compared, correlated, factor_table, scaled_table
 from .pictures import assurance_figure, frequency_figure, model_figure, modes_figure, parts_of
@@ -63,6 +63,7 @@ def structure(
     both = {car: compared_cars(car, _carbodies(car, used[car]), part("cars")) for car in CARS}
     tables = {
         "model": model_table(found),
+        "beam": beam_table(found),
         "rigid_body_checks": check_table(found),
         "reduction": reduction_table(found),
         "table_4_2": compared(empty),
