@@ -63,9 +63,9 @@ def build_into(place: Path, names: Iterable[str] = NAMES) -> None:
 
     stamp = place / STAMP
     stamp.unlink(missing_ok=True)
-    for old in place.glob("*.fmu"):
-        old.unlink()
-    build(place, names)
+    built = set(build(place, names).values())
+    for old in set(place.glob("*.fmu")) - built:  # another process may be at the same
+        old.unlink(missing_ok=True)
     stamp.write_text(_stamp())
 
 
