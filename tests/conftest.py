@@ -5,10 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 import pytest
+from hypothesis import settings
 
 from fmus.catalogue import fmu_path
 from support.blocks import EACH_BLOCK
 from support.fmu_instance import FmuInstance
+
+# a busy machine takes ten times as long, and that is no finding
+settings.register_profile("patient", deadline=None)
+settings.load_profile("patient")
 
 
 @pytest.fixture
