@@ -31,7 +31,7 @@ TO_ACCELERATION = {8: 2, 11: 1, 12: 0}
 
 
 @dataclass(frozen=True)
-class _Dataset:
+class Dataset:
     """One dataset, and where it stands in the file."""
 
     place: str
@@ -44,8 +44,8 @@ def survey_of_universal_file(path: Path) -> Survey:
     Datasets 55 give modes as they are; without any, modes are found in the frequency response
     functions of datasets 58 (`single_mode`). Places of the points are of datasets 15 or 2411.
     """
-    kinds: dict[int, list[_Dataset]] = {}
-    for dataset in _datasets(path):
+    kinds: dict[int, list[Dataset]] = {}
+    for dataset in datasets(path):
         kinds.setdefault(int(dataset.content["type"]), []).append(dataset)
     places = _places(kinds)
     if MODES in kinds:
@@ -63,7 +63,7 @@ def survey_of_universal_file(path: Path) -> Survey:
     return Survey(path.stem, modes, points, shapes)
 
 
-def _datasets(path: Path) -> Iterator[_Dataset]:
+def datasets(path: Path) -> Iterator[Dataset]:
     """Each dataset that is read, in the file's order."""
     lines = [line.strip() for line in path.read_bytes().split(b"\n")]
     ends = [number for number, line in enumerate(lines, start=1) if line == b"-1"]
@@ -91,10 +91,10 @@ def _datasets(path: Path) -> Iterator[_Dataset]:
                 f"{place} cannot be read: its columns or their number are not those of such a "
                 "dataset; export it again"
             ) from error
-        yield _Dataset(place, content)
+        yield Dataset(place, content)
 
 
-def _places(kinds: Mapping[int, Sequence[_Dataset]]) -> dict[int, tuple[float, float, float]]:
+def _places(kinds: Mapping[int, Sequence[Dataset]]) -> dict[int, tuple[float, float, float]]:
     """Places of the nodes [m]: lengths are divided by the factor of dataset 164."""
     units = kinds.get(UNITS, [])
     per_metre = float(units[-1].content["length"]) if units else 1.0
@@ -113,7 +113,7 @@ Found = tuple[tuple[Mode, ...], list[int], np.ndarray]
 """Modes, nodes, shapes (modes, nodes, 6)."""
 
 
-def _modes(path: Path, datasets: Sequence[_Dataset]) -> Found:
+def _modes(path: Path, datasets: Sequence[Dataset]) -> Found:
     """Datasets 55. Directions of a node that are zero in all modes were not measured.
 
     The format asks for zeros there (its note 15).
@@ -160,7 +160,7 @@ def _real(shape: np.ndarray) -> np.ndarray:
     return turned.real
 
 
-def _modes_of_functions(path: Path, datasets: Sequence[_Dataset]) -> Found:
+def _modes_of_functions(path: Path, datasets: Sequence[Dataset]) -> Found:
     """Modes at the quadrature peaks of the frequency response functions, each fitted alone.
 
     Of several exciters, each mode's shape is of the one that moved it most.
@@ -199,7 +199,7 @@ def _modes_of_functions(path: Path, datasets: Sequence[_Dataset]) -> Found:
     return tuple(modes), nodes, shapes
 
 
-def _accelerance(dataset: _Dataset, frequency: Array) -> np.ndarray:
+def _accelerance(dataset: Dataset, frequency: Array) -> np.ndarray:
     """A frequency response function as acceleration over force."""
     content = dataset.content
     axis, values = np.asarray(content["x"], float), np.asarray(content["data"])
@@ -223,7 +223,7 @@ def _accelerance(dataset: _Dataset, frequency: Array) -> np.ndarray:
     return values * (2j * pi * frequency) ** TO_ACCELERATION[kind]
 
 
-def _directed(dataset: _Dataset, end: str) -> tuple[int, int, float]:
+def _directed(dataset: Dataset, end: str) -> tuple[int, int, float]:
     """Node, direction (column of a shape) and sign of a function's response."""
     direction = int(dataset.content[f"{end}_dir"])
     if not 1 <= abs(direction) <= 6:

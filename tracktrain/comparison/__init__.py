@@ -11,19 +11,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import matplotlib as mpl
 import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
 from ..car.layout import Shown
-from ..plots import STYLE
+from ..errors import TracktrainError
 from ..quantities import shown_quantities
-from ..report.sheet import sheet
+from ..report.sheet import png, sheet
 from .differences import differences, remarks
 from .numbers import numbers
 from .pictures import signals, spectra
-from .runs import named_runs, within
+from .runs import named, within
 
 NAME = "comparison.html"
 
@@ -55,7 +54,9 @@ def compare(
     pictures are of. Raises TracktrainError for fewer than two runs, one that is named twice, a
     signal that no run has, and a span that a run has no rows in.
     """
-    whole = named_runs(places)
+    if len(places) < 2:
+        raise TracktrainError("a comparison needs two runs or more; name the folder of each")
+    whole = named(places)
     runs = {name: within(name, data, begin, end) for name, data in whole.items()}
     shown = shown_quantities(runs, asked)
     return Comparison(
@@ -65,7 +66,7 @@ def compare(
 
 def write_comparison(found: Comparison, folder: Path, command: str = "") -> list[Path]:
     """Write comparison.html, its tables as CSV and its pictures into a folder; the files."""
-    pictures = drawn(found)
+    pictures = {name: png(figure) for name, figure in drawn(found).items()}
     tables = {"what_differs": found.differences, "numbers": found.numbers}
     written = [folder / NAME, *(folder / f"{name}.csv" for name in tables)]
     text = sheet(
@@ -78,10 +79,9 @@ def write_comparison(found: Comparison, folder: Path, command: str = "") -> list
     written[0].write_text(text, encoding="utf-8")
     for path, table in zip(written[1:], tables.values(), strict=True):
         table.to_csv(path)
-    for name, figure in pictures.items():
+    for name, content in pictures.items():
         path = folder / f"{name}.png"
-        with mpl.rc_context(STYLE):
-            figure.savefig(path)
+        path.write_bytes(content)
         written.append(path)
     return written
 

@@ -16,13 +16,11 @@ from ..results import opened
 LEAST_ROWS = 2
 
 
-def named_runs(places: Sequence[Path]) -> dict[str, xr.Dataset]:
+def named(places: Sequence[Path]) -> dict[str, xr.Dataset]:
     """The datasets of runs by the shortest names that tell them apart.
 
-    Raises TracktrainError for fewer than two and for one that is named twice.
+    Raises TracktrainError for one that is named twice.
     """
-    if len(places) < 2:
-        raise TracktrainError("a comparison needs two runs or more; name the folder of each")
     folders = [_folder(place) for place in places]
     for number, folder in enumerate(folders):
         if folder in folders[:number]:

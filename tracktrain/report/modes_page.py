@@ -16,7 +16,7 @@ from fmus.carbody.modal_data import ModalData
 
 from . import as_json, page_text
 from .packing import packed
-from .sheet import parts
+from .sheet import parts, png
 
 Array = NDArray[Any]
 SCRIPTS = ("data.js", "scene.js", "player.js", "mesh.js", "modes.js")
@@ -83,5 +83,5 @@ def modes_page(
         blob=blob,
         styles=page_text("page.css"),
         script="\n".join(map(page_text, SCRIPTS)),
-        **parts(tables, pictures),
+        **parts(tables, {name: png(figure) for name, figure in pictures.items()}),
     )

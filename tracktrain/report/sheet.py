@@ -19,11 +19,11 @@ from . import page_text
 def sheet(
     title: str,
     tables: Mapping[str, pd.DataFrame],
-    pictures: Mapping[str, Figure],
+    pictures: Mapping[str, bytes],
     notes: Sequence[str] = (),
     command: str = "",
 ) -> str:
-    """The text of the page: notes, tables, pictures, each below its name."""
+    """The text of the page: notes, tables, pictures (PNG), each below its name."""
     environment = Environment(
         loader=PackageLoader("tracktrain.report", "page"), autoescape=True, trim_blocks=True
     )
@@ -37,13 +37,14 @@ def sheet(
 
 
 def parts(
-    tables: Mapping[str, pd.DataFrame], pictures: Mapping[str, Figure]
+    tables: Mapping[str, pd.DataFrame], pictures: Mapping[str, bytes]
 ) -> dict[str, list[dict[str, Any]]]:
     """Tables and pictures as the template `parts.html` takes them."""
     return {
         "tables": [_table(name, table) for name, table in tables.items()],
         "pictures": [
-            {"title": _titled(name), "content": _png(figure)} for name, figure in pictures.items()
+            {"title": _titled(name), "content": base64.b64encode(content).decode("ascii")}
+            for name, content in pictures.items()
         ],
     }
 
@@ -63,7 +64,8 @@ def _titled(name: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def _png(figure: Figure) -> str:
+def png(figure: Figure) -> bytes:
+    """A figure as the content of a PNG file."""
     content = BytesIO()
     figure.savefig(content, format="png", dpi=110)
-    return base64.b64encode(content.getvalue()).decode("ascii")
+    return content.getvalue()
