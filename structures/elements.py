@@ -28,10 +28,11 @@ from pyfe3d import (
 )
 from pyfe3d.beamprop import BeamProp
 from pyfe3d.shellprop_utils import isotropic_plate
+from scipy.linalg import block_diag
 from scipy.sparse import coo_matrix, csc_matrix
 
 from .assembled import Structure
-from .model import Array, Beam, Element, Ints, Model, Plate
+from .model import Array, Beam, Element, Ints, Model, Plate, rigid_arm
 
 CLASSES = {
     "quad": (Quad4, Quad4Data, Quad4Probe),
@@ -42,6 +43,9 @@ CLASSES = {
 CONSISTENT = 0
 SEGMENTS = 8
 """Uniform pieces that a tapered beam is made of."""
+
+TURNING = 1e-6
+"""Stiffness of a bar in turning its ends alike [N.m/rad], over E A times its length."""
 
 
 def assembled(model: Model) -> Structure:
@@ -56,12 +60,17 @@ def assembled(model: Model) -> Structure:
             stiffness, mass = _tapered(element, section, corners)
         else:
             stiffness, mass = matrices(element, section, corners)
+        if element.offsets:
+            arms = block_diag(*map(rigid_arm, element.offsets))
+            stiffness, mass = arms.T @ stiffness @ arms, arms.T @ mass @ arms
         degrees = np.add.outer(6 * np.array(places), np.arange(6)).ravel()
         parts["K"].add(degrees, stiffness)
         parts["M"].add(degrees, mass)
+    for degrees, stiffness in _turning(model):
+        parts["K"].add(degrees, stiffness)
     for one in model.masses:
         degrees = 6 * model.index[one.node] + np.arange(6)
-        parts["M"].add(degrees, np.diag([one.mass] * 3 + list(one.inertia)))
+        parts["M"].add(degrees, one.matrix)
     return Structure(
         model.name,
         parts["K"].matrix(),
@@ -71,6 +80,22 @@ def assembled(model: Model) -> Structure:
         {name: model.index[node] for name, node in model.places.items()},
         [(e.part, tuple(model.index[n] for n in e.nodes)) for e in model.elements],
     )
+
+
+def _turning(model: Model) -> Iterator[tuple[Any, Any]]:
+    """Springs that turn a node that only bars hold with its neighbours: it would turn freely.
+
+    They are weak, and meet no force in a rigid motion.
+    """
+    held = {n for e in model.elements if e.kind != "bar" for n in e.nodes}
+    for element in model.elements:
+        if element.kind == "bar" and not held.issuperset(element.nodes):
+            section = model.sections[element.section]
+            assert isinstance(section, Beam)
+            length = float(np.linalg.norm(np.subtract(*model.corners(element))))
+            spring = TURNING * section.material.young * section.area * length
+            degrees = np.add.outer([6 * model.index[n] for n in element.nodes], np.arange(3, 6))
+            yield degrees.ravel(), spring * np.kron([[1.0, -1.0], [-1.0, 1.0]], np.eye(3))
 
 
 def matrices(element: Element, section: Plate | Beam, corners: Array) -> tuple[Array, Array]:
@@ -201,7 +226,7 @@ def parts_of(model: Model) -> Iterator[tuple[str, float, Array]]:
                 centre = corners[0] + place * (corners[1] - corners[0])
                 yield element.part, weight * length, centre
     for mass in model.masses:
-        yield mass.part, mass.mass, model.positions[model.index[mass.node]]
+        yield mass.part, mass.mass, model.positions[model.index[mass.node]] + mass.offset
 
 
 def _triangles(corners: Array) -> list[Array]:

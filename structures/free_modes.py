@@ -68,12 +68,20 @@ def free_modes(structure: Structure, count: int = 10) -> FreeModes:
 def _lanczos(structure: Structure, shift: float, count: int) -> tuple[Array, Array]:
     stiffness, mass = structure.stiffness, structure.mass
     # without pivoting the factor's diagonal has the signs of the eigenvalues (Sylvester)
-    factor = splu(
-        csc_matrix(stiffness + shift * mass),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
+    whole = csc_matrix(stiffness + shift * mass)
+    try:
+        factor = splu(
+            whole,
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+    except RuntimeError:  # exactly singular
+        bare = [structure.label(int(d)) for d in np.flatnonzero(whole.diagonal() == 0)]
+        raise StructureError(
+            f"{structure.name} is a mechanism: motions meet neither stiffness nor mass"
+            f"{', ' + listed(bare) if bare else ''}; connect them"
+        ) from None
     pivots = factor.U.diagonal()
     if pivots.min() < 0:
         degree = int(np.flatnonzero(factor.perm_c == int(pivots.argmin()))[0])

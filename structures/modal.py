@@ -43,8 +43,9 @@ def modal_data(
 ) -> ModalData:
     """Modal data of a structure whose places `front` and `rear` are the centre plates.
 
-    All nodes are points, called n and their number; the flexibility of all further modes is the
-    residual. Raises StructureError without centre plates.
+    All nodes are points, called n and their number; further places keep their names, and are
+    outputs. The flexibility of all further modes is the residual. Raises StructureError without
+    centre plates.
     """
     missing = [end for end in ENDS if end not in structure.places]
     if missing:
@@ -54,9 +55,9 @@ def modal_data(
         )
     properties = mass_properties(structure)
     positions = structure.positions - properties.centre
-    plates = {structure.places[end]: end for end in ENDS}
+    named = {index: name for name, index in structure.places.items()}
     points = tuple(
-        Point(plates.get(i, f"n{number}"), *map(float, position))
+        Point(named.get(i, f"n{number}"), *map(float, position))
         for i, (number, position) in enumerate(zip(structure.numbers, positions, strict=True))
     )
     shapes = modes.shapes.T.reshape(len(modes.frequencies), len(points), 6)
@@ -71,6 +72,7 @@ def modal_data(
         ),
         points,
         shapes,
+        tuple(name for name in structure.places if name not in ENDS),
         edges=_edges(structure, [point.name for point in points]),
         residual_flexibility=residual_flexibility(structure, modes),
         provenance=tuple(provenance),

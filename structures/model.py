@@ -23,6 +23,14 @@ YOUNG_OF_STEEL = {"m, kg, N": 2.0e11, "in, lb*s2/in, lbf": 2.9e7, "mm, t, N": 2.
 """Young's modulus of steel in units that models are written in."""
 
 
+def rigid_arm(offset: Sequence[float]) -> Array:
+    """Motion of a point at the offset [m] from a node that carries it rigidly, (6, 6)."""
+    x, y, z = offset
+    arm = np.eye(6)
+    arm[:3, 3:] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
+    return arm
+
+
 @dataclass(frozen=True)
 class Material:
     """Young's modulus [Pa], Poisson's ratio [1], density [kg/m3]."""
@@ -70,7 +78,8 @@ class Beam:
 class Element:
     """kind: one of `KINDS`. section: a name of the model's. part: what it is a part of.
 
-    up: a vector in the plane x-z of a beam's section axes; z of it is what second_y is about.
+    up: a vector in the plane x-z of a beam's section axes; second_y resists bending in it.
+    offsets: from each node to the element's end [m], as a rigid arm; none when empty.
     """
 
     kind: str
@@ -78,16 +87,33 @@ class Element:
     section: str
     part: str = ""
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    offsets: tuple[tuple[float, float, float], ...] = ()
 
 
 @dataclass(frozen=True)
 class Mass:
-    """A rigid mass [kg] on a node, with inertias about X, Y, Z [kg.m2]."""
+    """A rigid mass [kg] on a node, with inertias about X, Y, Z through its centre [kg.m2].
+
+    offset: from the node to the centre [m]. products: of inertia, integrals of x y, x z, y z over
+    the mass [kg.m2].
+    """
 
     node: int
     mass: float
     inertia: tuple[float, float, float] = (0.0, 0.0, 0.0)
     part: str = ""
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    products: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def matrix(self) -> Array:
+        """Mass of the node's six degrees of freedom, (6, 6)."""
+        xy, xz, yz = self.products
+        own = np.zeros((6, 6))
+        own[:3, :3] = self.mass * np.eye(3)
+        own[3:, 3:] = np.diag(self.inertia) - [[0, xy, xz], [xy, 0, yz], [xz, yz, 0]]
+        arm = rigid_arm(self.offset)
+        return arm.T @ own @ arm
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,8 +158,9 @@ class Model:
         return f"{DIRECTIONS[degree % 6]} of node {self.numbers[degree // 6]}"
 
     def corners(self, element: Element) -> Array:
-        """Positions of an element's nodes [m]."""
-        return self.positions[[self.index[n] for n in element.nodes]]
+        """Positions of an element's ends [m]: its nodes, moved by its offsets."""
+        at = self.positions[[self.index[n] for n in element.nodes]]
+        return at + np.array(element.offsets) if element.offsets else at
 
 
 def _check_sections(model: Model) -> None:
