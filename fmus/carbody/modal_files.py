@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,9 @@ from .modal_table import factor, read_rows
 
 IN_FMU = "extra/org.tracktrain/modal_data.toml"
 """Place of the modal data in the FMU of a carbody."""
+
+Given = Callable[[], ParameterSet]
+"""What gives the numbers that a file does not, read when it is needed."""
 
 FIELDS = (
     "name", "provenance", "outputs", "edges", "body", "points", "modes", "residual_flexibility"
@@ -48,7 +51,11 @@ def read_modal_data(path: Path | str, parameters: ParameterSet | None = None) ->
         raise ParameterError(f"{path} cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
         raise ParameterError(f"{path.name} is no text in UTF-8: {error.reason}") from error
-    return readers[path.suffix.lower()](path, text, parameters or parameter_set(DEFAULT_SET))
+
+    def given() -> ParameterSet:
+        return parameters or parameter_set(DEFAULT_SET)
+
+    return readers[path.suffix.lower()](path, text, given)
 
 
 def _content(path: Path) -> bytes:
@@ -95,14 +102,14 @@ def as_text(data: ModalData) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _from_toml(path: Path, text: str, parameters: ParameterSet) -> ModalData:
+def _from_toml(path: Path, text: str, given: Given) -> ModalData:
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise ParameterError(f"{path.name} is no TOML: {error}") from error
     _known(path.name, content, FIELDS)
-    body, said = _body(path, content, parameters)
-    points = _points(path, content, parameters)
+    body, said = _body(path, content, given)
+    points = _points(path, content, given)
     names = [point.name for point in points]
     modes, shapes = [], []
     listed = content.get("modes", [])
@@ -116,7 +123,7 @@ def _from_toml(path: Path, text: str, parameters: ParameterSet) -> ModalData:
             Mode(
                 str(table.get("name", number)),
                 _number(place, table, "frequency", "Hz"),
-                _number(place, table, "damping", "1", _damping(parameters)),
+                _number(place, table, "damping", "1") if "damping" in table else _damping(given),
                 *_where_from(place, table),
             )
         )
@@ -134,10 +141,10 @@ def _from_toml(path: Path, text: str, parameters: ParameterSet) -> ModalData:
     )
 
 
-def _from_csv(path: Path, text: str, parameters: ParameterSet) -> ModalData:
-    body, said = _body(path, {}, parameters)
-    table = read_rows(path.name, text, _damping(parameters))
-    plates = {point.name: point for point in _plates(parameters)}
+def _from_csv(path: Path, text: str, given: Given) -> ModalData:
+    body, said = _body(path, {}, given)
+    table = read_rows(path.name, text, _damping(given))
+    plates = {point.name: point for point in _plates(given)}
     points = []
     for name, position in table.positions.items():
         if position is None and name not in plates:
@@ -157,14 +164,12 @@ def _from_csv(path: Path, text: str, parameters: ParameterSet) -> ModalData:
     )
 
 
-def _body(
-    path: Path, content: Mapping[str, Any], parameters: ParameterSet
-) -> tuple[Body, tuple[str, ...]]:
+def _body(path: Path, content: Mapping[str, Any], given: Given) -> tuple[Body, tuple[str, ...]]:
     """The body, and what is to be said when the parameter set gives it."""
     if "body" not in content:
-        found = {name: _entry(parameters, _PARAMETER.get(name, name)) for name in BODY_UNITS}
+        found = {name: _entry(given, _PARAMETER.get(name, name)) for name in BODY_UNITS}
         values = {name: found[name].to(unit) for name, unit in BODY_UNITS.items()}
-        source = f"parameter set {parameters.name}"
+        source = f"parameter set {given().name}"
         return Body(**values, basis="assumed", source=source), (f"body: {source}",)
     place, table = f"{path.name}: [body]", content["body"]
     _known(place, table, (*BODY_UNITS, "basis", "source"))
@@ -176,30 +181,32 @@ def _body(
 _PARAMETER = {"mass": "body_mass"}
 
 
-def _entry(parameters: ParameterSet, name: str) -> Entry:
-    entry = parameters.entry(name, "carbody")
+def _entry(given: Given, name: str) -> Entry:
+    entry = given().entry(name, "carbody")
     if entry is None:
-        raise ParameterError(f"{parameters.path.name} gives no {name} of the carbody; add it")
+        raise ParameterError(f"{given().path.name} gives no {name} of the carbody; add it")
     return entry
 
 
-def _damping(parameters: ParameterSet) -> float:
-    return _entry(parameters, "modal_damping").to("1")
+def _damping(given: Given) -> float:
+    return _entry(given, "modal_damping").to("1")
 
 
-def _plates(parameters: ParameterSet) -> tuple[Point, ...]:
+def _plates(given: Given) -> tuple[Point, ...]:
     """The centre plates of a parameter set."""
-    half = _entry(parameters, "half_truck_spacing").to("m")
-    height = _entry(parameters, "gravity_centre_height").to("m")
+    half = _entry(given, "half_truck_spacing").to("m")
+    height = _entry(given, "gravity_centre_height").to("m")
     return tuple(Point(end, x, 0.0, -height) for end, x in zip(ENDS, (half, -half), strict=True))
 
 
-def _points(path: Path, content: Mapping[str, Any], parameters: ParameterSet) -> tuple[Point, ...]:
+def _points(path: Path, content: Mapping[str, Any], given: Given) -> tuple[Point, ...]:
     place, table = f"{path.name}: [points]", content.get("points", {})
     _known(place, table, ("unit", "positions"))
     scale = factor(place, table.get("unit", "m"), "m")
-    found = {point.name: point for point in _plates(parameters)}
-    for name, position in table.get("positions", {}).items():
+    positions = table.get("positions", {})
+    own = set(ENDS) <= set(positions)
+    found = {} if own else {point.name: point for point in _plates(given)}
+    for name, position in positions.items():
         x, y, z = scale * _numbers(f"{place} {name}", position, ("x", "y", "z"))
         found[name] = Point(name, float(x), float(y), float(z))
     return tuple(found.values())

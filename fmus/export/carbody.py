@@ -28,7 +28,7 @@ def build_carbody(
     CompileError, ParameterError for data that make no carbody, OSError for a place that cannot be
     written.
     """
-    product = _product(data, _identifier(out.stem))
+    product = carbody_product(data, identifier(out.stem))
     out.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=out.parent) as folder:
         (built,) = build_products(Path(folder), [product], platforms, [fmi]).values()
@@ -41,17 +41,18 @@ def carbody_fmu(data: ModalData) -> Path:
     text = source_hash() + as_text(data)
     folder = platformdirs.user_cache_path("tracktrain") / "carbodies"
     digest = hashlib.sha256(text.encode()).hexdigest()[:16]
-    out = folder / digest / f"{_identifier(data.name)}.fmu"
+    out = folder / digest / f"{identifier(data.name)}.fmu"
     return out if out.exists() else build_carbody(data, out)
 
 
-def _product(data: ModalData, name: str) -> Product:
+def carbody_product(data: ModalData, name: str) -> Product:
+    """A block of this name with the numbers, the known results and the file of the data."""
     block = ModalCarbody(data, name)
     further = {IN_FMU: as_text(data).encode()}
     return Product(block, block.given, reference(name, data), further)
 
 
-def _identifier(name: str) -> str:
+def identifier(name: str) -> str:
     """The name as FMI allows it for a model: letters, digits and _."""
     found = re.sub(r"[^A-Za-z0-9_]", "_", name)
     return found if found[:1].isalpha() else f"carbody_{found}"

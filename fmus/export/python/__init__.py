@@ -7,8 +7,8 @@ The binary that runs it is compiled of `bridge`.
 
 from __future__ import annotations
 
-from .flavor import build_python
+from .flavor import build_python, build_python_carbody
 from .pack import pack
 from .sources import PackError
 
-__all__ = ["PackError", "build_python", "pack"]
+__all__ = ["PackError", "build_python", "build_python_carbody", "pack"]

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import tempfile
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from ... import BLOCKS
-from ...describe.parameters import DEFAULT_SET, parameter_set
+from ...carbody.modal_data import ModalData
+from ...carbody.modal_files import as_text
+from ...carbody.stored import BESIDE, stored
+from ...describe.block import Block
 from ...python.twin_model import TwinModel
 from ..accompanying import accompanying_files
+from ..carbody import carbody_product, identifier
 from ..dependencies import dependencies, initial_dependencies
-from ..product import shipped
+from ..product import Product, shipped
 from ..xml.description import OURS
 from ..xml.fmi2 import described
 from .assembly import Recipe, write
@@ -22,24 +27,53 @@ def build_python(name: str, out: Path, platforms: Iterable[str] = ("host",)) -> 
 
     It holds the binaries of all the platforms: names of compiler.TARGETS, `host` or `all`.
     """
-    kind = BLOCKS[name]
-    block = kind()
-    parameters = parameter_set(DEFAULT_SET)
-    start = parameters.values(block)
+    kind, module = BLOCKS[name], f"fmus.{name}"
+    sources = _sources(module)
+    sources.add_data(FMUS / name, f"fmus/{name}", "*")
+    recipe = _recipe(f"{name}_python", sources, module, kind.__name__, shipped(name))
+    return _packed(out, recipe, kind, shipped(name), platforms)
+
+
+def build_python_carbody(data: ModalData, out: Path, platforms: Iterable[str] = ("host",)) -> Path:
+    """Write the Python FMU of a carbody of modal data to the file `out` and return its path."""
+    product, module = carbody_product(data, identifier(out.stem)), stored.__module__
+    sources = _sources(module)
+    sources.files[f"fmus/carbody/{BESIDE}"] = as_text(data).encode()
+    recipe = _recipe(product.block.name, sources, module, stored.__name__, product)
+    out.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=out.parent) as folder:
+        _packed(Path(folder), recipe, lambda: product.block, product, platforms).replace(out)
+    return out
+
+
+def _sources(module: str) -> Sources:
     sources = Sources()
-    module = f"fmus.{name}"
     for needed in ("fmus.python.slave", "fmus.python.twin_model", module):
         sources.add(needed)
-    sources.add_data(FMUS / name, f"fmus/{name}", "*")
-    recipe = Recipe(
-        f"{name}_python",
+    return sources
+
+
+def _recipe(identifier: str, sources: Sources, module: str, kind: str, product: Product) -> Recipe:
+    return Recipe(
+        identifier,
         sources,
         module=module,
-        model=kind.__name__,
-        create=f"TwinModel({kind.__name__}, self.start_values)",
-        start=start,
+        model=kind,
+        create=f"TwinModel({kind}, self.start_values)",
+        start=product.parameters.values(product.block),
         imports={"fmus.python.twin_model": "TwinModel"},
     )
+
+
+def _packed(
+    out: Path,
+    recipe: Recipe,
+    kind: Callable[[], Block],
+    product: Product,
+    platforms: Iterable[str],
+) -> Path:
+    """The archive of a block whose twin the recipe makes."""
+    block, start = product.block, recipe.start
     outputs = {v.name for v in block.outputs}
     now, at_start = (
         {
@@ -52,5 +86,5 @@ def build_python(name: str, out: Path, platforms: Iterable[str] = ("host",)) -> 
     model = TwinModel(kind, start)
     description = described(model, start, OURS, [recipe.interface], now, at_start)
     out.mkdir(parents=True, exist_ok=True)
-    files = accompanying_files(shipped(name), start, description)
+    files = accompanying_files(product, start, description)
     return write(out, recipe, description, files, platforms)

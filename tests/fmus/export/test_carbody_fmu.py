@@ -17,6 +17,7 @@ from fmpy.validation import validate_fmu
 from fmus.carbody.modal_data import ModalData, Point
 from fmus.carbody.modal_files import read_modal_data
 from fmus.export.carbody import build_carbody, carbody_fmu
+from fmus.export.python import build_python_carbody
 from fmus.export.xml.references import FOLDER
 from orchestrator import Component
 from orchestrator.trust.self_test import self_test
@@ -102,6 +103,21 @@ def test_arrays_of_fmi_3_have_modes_and_points_as_their_sizes(fmus):
     assert variables["floor.elastic_shape"].shape == (6, 5)
     assert variables["front.mode_shape"].shape == (4, 10)
     assert variables["q"].shape == (10,)
+
+
+def test_its_python_flavour_computes_the_same_from_the_data_that_it_holds(fmus, data, tmp_path):
+    readable = build_python_carbody(data, tmp_path / "readable.fmu")
+    runs = [
+        simulate_fmu(
+            str(path), stop_time=0.02, step_size=1e-3, output_interval=1e-3,
+            start_values={"front.force_z": 1e4, "rear.force_y": -5e3},
+            output=["front.z", "hook.ay", "q[8]"], fmi_type="CoSimulation",
+        )
+        for path in (fmus["2.0"], readable)
+    ]  # fmt: skip
+    for name in ("front.z", "hook.ay", "q[8]"):
+        largest = np.abs(runs[0][name]).max()
+        assert np.abs(runs[1][name] - runs[0][name]).max() <= 1e-12 * largest > 0
 
 
 def test_the_data_travel_with_it(fmu, data):

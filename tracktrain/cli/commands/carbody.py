@@ -48,7 +48,11 @@ Examples:
     help="FMU to write.  [default: the name of MODES with .fmu]",
 )
 @click.option(
-    "--fmi", type=click.Choice(FMI_VERSIONS), default="2.0", show_default=True, help="Version."
+    "--fmi",
+    type=click.Choice((*FMI_VERSIONS, "python")),
+    default="2.0",
+    show_default=True,
+    help="Version; python is Python sources to read and to change, of FMI 2.0.",
 )
 @click.option(
     "--target",
@@ -103,6 +107,7 @@ def command(
     from fmus.carbody.residual import with_residual_modes
     from fmus.describe.parameters import parameter_set
     from fmus.export.carbody import build_carbody
+    from fmus.export.python import build_python_carbody
 
     data = read_modal_data(modes, parameter_set(vehicle(car).parameters))
     if count is not None:
@@ -118,7 +123,10 @@ def command(
     data = with_residual_modes(data, residual)
     path = out or Path(f"{modes.stem}.fmu")
     writable(path.parent)
-    build_carbody(data, path, fmi, targets)
+    if fmi == "python":
+        build_python_carbody(data, path, targets)
+    else:
+        build_carbody(data, path, fmi, targets)
     _say(data)
     click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
 
