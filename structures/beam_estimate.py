@@ -44,13 +44,11 @@ def second_moment(model: Model, x: float) -> float:
         if len(cut) < 1:
             continue
         if isinstance(section, Plate):
-            rise, area = (
-                np.ptp(cut[:, 2]),
-                section.thickness * float(np.linalg.norm(np.ptp(cut, 0))),
-            )
-            pieces.append((area, cut[:, 2].mean(), area * rise**2 / 12))
+            rise = float(np.ptp(cut[:, 2]))
+            area = section.thickness * float(np.linalg.norm(np.ptp(cut, 0)))
+            pieces.append((area, float(cut[:, 2].mean()), area * rise**2 / 12))
         else:
-            pieces.append((section.area, cut[0, 2], section.second_y))
+            pieces.append((section.area, float(cut[0, 2]), section.second_y))
     area, height, own = np.array(pieces).T
     middle = area @ height / area.sum()
     return float(own.sum() + area @ (height - middle) ** 2)
