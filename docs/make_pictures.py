@@ -16,6 +16,7 @@ from tracktrain.car.hopper import hopper_car
 from tracktrain.plots import BLUE, INK, RED, STYLE, plot_displacement
 from tracktrain.scales import FOOT
 from tracktrain.studies.hunting_causes import hunting_causes
+from tracktrain.studies.structure import structure
 
 PICTURES = Path(__file__).parent / "pictures"
 
@@ -53,5 +54,8 @@ if __name__ == "__main__":
     coupling().savefig(PICTURES / "coupling.png", dpi=120)
     run = simulate(hopper_car(), duration=8.0)
     plot_displacement(run.dataset).savefig(PICTURES / "displacement.png", dpi=120)
+    for name, picture in structure().pictures.items():
+        if name != "transfer_functions":
+            picture.savefig(PICTURES / f"structure_{name}.png", dpi=110)
     causes = hunting_causes().pictures["critical_speeds"]
     causes.savefig(PICTURES / "hunting_causes.png", dpi=120)

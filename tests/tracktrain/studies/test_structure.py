@@ -14,6 +14,7 @@ from structures.scaling import scale_factors
 from structures.survey import Survey
 from tracktrain.cli.main import main
 from tracktrain.studies.structure.analysis import analysed, beam_table, check_table, reduction_table
+from tracktrain.studies.structure.cars import shape_table
 from tracktrain.studies.structure.correlated import compared, correlated, scaled_table
 from tracktrain.studies.structure.printed import names, printed
 from tracktrain.studies.structure.study import drawing
@@ -46,7 +47,7 @@ def test_each_measured_mode_finds_its_own(empty):
 
 def test_scaled_frequencies_have_the_tests_mean_ratio(empty):
     table = scaled_table(empty)
-    ratio = table["test [Hz]"] / table["mean squared [Hz]"]
+    ratio = table["test [Hz]"] / table["by mean ratio, squared [Hz]"]
     assert ratio.mean() == pytest.approx(1.0, rel=1e-9)
 
 
@@ -98,6 +99,12 @@ def test_a_file_of_dimensions_that_is_none_is_refused_in_words(tmp_path):
     result = CliRunner().invoke(main, [*command, "--out", str(tmp_path / "out")])
     assert result.exit_code == 2
     assert "mine.toml lacks [material]" in result.output
+
+
+def test_the_default_torsion_has_the_reports_factor(empty):
+    table = shape_table("empty", empty.with_test_frequencies())
+    assert table.loc["torsion, roll", "default"] == pytest.approx(1.204)
+    assert 1.0 < table.loc["torsion, roll", "model"] < 1.6
 
 
 @pytest.mark.slow

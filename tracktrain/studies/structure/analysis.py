@@ -35,6 +35,12 @@ MODES = 24
 FIRST, RETAINED = 270, 98
 """Degrees of freedom after the first and the second stage of the reduction, as the report has."""
 
+REFINEMENTS = (1, 2, 4)
+"""Meshes by which convergence is judged, each twice as fine as the one before."""
+
+CROWDED = 60
+"""Modes among which those of a fine mesh are found: its plates have many of their own."""
+
 SHOWN = 30.0
 """Highest frequency [Hz] at which the reduction is judged."""
 
@@ -168,3 +174,29 @@ def beam_table(found: Analysis) -> pd.DataFrame:
         ("test", printed("test", "empty").values[2], np.nan),
     ]
     return pd.DataFrame(rows, columns=["by", "report [Hz]", "ours [Hz]"]).set_index("by")
+
+
+def convergence_table(model: Path | None = None, progress: Progress = unseen) -> pd.DataFrame:
+    """Frequencies of the empty car as its mesh is refined, with order and limit.
+
+    From f = limit + c h^order at element sizes h, h/2, h/4 (Richardson).
+    """
+    of, columns = numbers(model), {}
+    for number, refinement in enumerate(REFINEMENTS, start=1):
+        car = mirrored(assembled(hopper_half(of, refinement)))
+        data = modal_data(car, free_modes(car, CROWDED), "")
+        columns[refinement] = {m.name: m.frequency for m in data.modes}
+        progress(number / len(REFINEMENTS))
+    rows = []
+    for name in names():
+        coarse, middle, fine = (columns[r].get(name, np.nan) for r in REFINEMENTS)
+        ratio = (coarse - middle) / (middle - fine)
+        rows.append(
+            {
+                "mode": name,
+                **{f"{r} x as fine [Hz]": columns[r].get(name, np.nan) for r in REFINEMENTS},
+                "order": np.log2(ratio) if ratio > 1 else np.nan,
+                "limit [Hz]": fine - (middle - fine) / (ratio - 1) if ratio > 1 else np.nan,
+            }
+        )
+    return pd.DataFrame(rows).set_index("mode")

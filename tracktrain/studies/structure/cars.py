@@ -7,12 +7,13 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
-from fmus.carbody.modal_data import ModalData
+from fmus.carbody.default_data import default_data
+from fmus.carbody.modal_data import DIRECTIONS, ModalData
 from fmus.carbody.residual import with_residual_modes
 from orchestrator import Session, rms, simulate
 
 from ...car.carbody import with_carbody
-from ...car.hopper import hopper_car, vehicle
+from ...car.hopper import hopper_car, parameters_of, vehicle
 from ...car.linear import LinearCar
 from ...car.modes import critical_speeds
 from ...scales import FOOT, MILE_PER_HOUR
@@ -32,6 +33,10 @@ SHOWN = {
     "carbody, vertical [m/s2]": ("vertical_acceleration", 1.0),
 }
 """What is compared: a quantity of the layout, and the factor to the unit."""
+
+
+SHAPES = {"torsion": "roll", "lateral bending": "y", "vertical bending": "z"}
+"""The motion of a centre plate by which a mode is known."""
 
 
 def compared_cars(
@@ -59,6 +64,22 @@ def compared_cars(
             )
             progress(number / len(carbodies))
     return pd.DataFrame(rows).set_index("carbody")
+
+
+def shape_table(car: str, data: ModalData) -> pd.DataFrame:
+    """Shapes at the front centre plate without unit: roll by sqrt(I_xx) in torsion (the factor
+    1.204), y and z by sqrt(m) in bending; the default carbody's and the model's."""
+    both = {"default": default_data(parameters_of(car)["carbody"]), "model": data}
+    rows = []
+    for mode, motion in SHAPES.items():
+        row: dict[str, object] = {"mode": f"{mode}, {motion}"}
+        for name, each in both.items():
+            place = [m.name.replace("_", " ") for m in each.modes].index(mode)
+            size = each.body.roll_inertia if motion == "roll" else each.body.mass
+            shape = each.at("front")[place, 0, DIRECTIONS.index(motion)]
+            row[name] = abs(float(shape)) * size**0.5
+        rows.append(row)
+    return pd.DataFrame(rows).set_index("mode")
 
 
 def _critical(car: str, data: ModalData | None) -> tuple[float, float]:

@@ -120,8 +120,8 @@ def scaled_table(found: Correlated) -> pd.DataFrame:
     by_name = {
         reading: {m.name: m.frequency for m in scaled(found.data, factor).modes}
         for reading, factor in (
-            ("mean squared", factors.squared_mean),
-            ("square's mean", factors.mean_square),
+            ("by mean ratio, squared", factors.squared_mean),
+            ("by mean of squares", factors.mean_square),
         )
     }
     rows = [

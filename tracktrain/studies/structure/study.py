@@ -28,8 +28,16 @@ from ..carbody_survey import carbody_survey
 from ..common.command import study_command
 from ..common.given import taking
 from ..common.outcome import Outcome
-from .analysis import Analysis, analysed, beam_table, check_table, model_table, reduction_table
-from .cars import DURATION, SPEED, TRACK, compared_cars
+from .analysis import (
+    Analysis,
+    analysed,
+    beam_table,
+    check_table,
+    convergence_table,
+    model_table,
+    reduction_table,
+)
+from .cars import DURATION, SPEED, TRACK, compared_cars, shape_table
 from .correlated import Correlated, compared, correlated, factor_table, scaled_table
 from .pictures import assurance_figure, frequency_figure, model_figure, modes_figure, parts_of
 from .printed import names
@@ -45,6 +53,7 @@ def structure(
     survey: Path | None = None,
     loaded_survey: Path | None = None,
     refinement: int = 1,
+    convergence: bool = False,
     progress: Progress = unseen,
 ) -> Outcome:
     """The hopper car's carbody from finite elements to the car that runs with it.
@@ -72,8 +81,11 @@ def structure(
         "table_4_4": compared(loaded),
         "coal_that_carries": compared(stiff),
         "virtual_survey": virtual.tables["modes"],
+        "shapes": pd.concat({car: shape_table(car, used[car]) for car in CARS}, names=["car"]),
         "cars": pd.concat(both, names=["car"]),
     }
+    if convergence:
+        tables["convergence"] = convergence_table(model)
     shown = {"empty": empty, "loaded": loaded}
     pictures = {
         "model": model_figure(found.structures["empty"]),
@@ -124,9 +136,13 @@ command = study_command(
         show_default=True,
         help="Into how many elements each side of a patch is cut.",
     ),
+    click.option(
+        "--convergence", is_flag=True, help="Refine the mesh, too: order and limit of frequencies."
+    ),
     epilog="""\b
 Examples:
   tracktrain study structure
+  tracktrain study structure --convergence
   tracktrain study structure --model thicker.toml --survey survey.uff --out mine
   tracktrain run --car empty --carbody tracktrain-structure/carbody_empty.toml""",
 )(structure)
