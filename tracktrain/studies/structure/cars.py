@@ -74,7 +74,10 @@ def shape_table(car: str, data: ModalData) -> pd.DataFrame:
     for mode, motion in SHAPES.items():
         row: dict[str, object] = {"mode": f"{mode}, {motion}"}
         for name, each in both.items():
-            place = [m.name.replace("_", " ") for m in each.modes].index(mode)
+            names = [m.name.replace("_", " ") for m in each.modes]
+            if mode not in names:
+                continue
+            place = names.index(mode)
             size = each.body.roll_inertia if motion == "roll" else each.body.mass
             shape = each.at("front")[place, 0, DIRECTIONS.index(motion)]
             row[name] = abs(float(shape)) * size**0.5

@@ -144,7 +144,7 @@ Examples:
   tracktrain study structure
   tracktrain study structure --convergence
   tracktrain study structure --model thicker.toml --survey survey.uff --out mine
-  tracktrain run --car empty --carbody tracktrain-structure/carbody_empty.toml""",
+  tracktrain run --car empty --carbody tracktrain-structure/carbody_empty.toml --step "0.5 ms\"""",
 )(structure)
 
 
@@ -172,19 +172,18 @@ def _correlated(
         correlated("loaded", scaled(found.data[name], factor), measured[1])
         for name in ("loaded", "stiff")
     )
-    used = {"empty": scaled(empty.data, factor), "loaded": loaded.with_test_frequencies()}
-    kept = {
-        car: data.truncated(
-            [i for i, mode in enumerate(data.modes) if not mode.name.startswith("mode ")]
-        )
-        for car, data in used.items()
+    used = {
+        "empty": _kept(empty, scaled(empty.data, factor)),
+        "loaded": _kept(loaded, loaded.with_test_frequencies()),
     }
-    return (
-        empty,
-        loaded,
-        stiff,
-        {car: replace(data, name=f"hopper_{car}") for car, data in kept.items()},
-    )
+    return empty, loaded, stiff, used
+
+
+def _kept(found: Correlated, data: ModalData) -> ModalData:
+    """The modes that the survey has, by their numbers; the others are left to the residual."""
+    wanted = {pair.analysis.name for pair in found.alike}
+    places = [i for i, mode in enumerate(data.modes) if mode.name in wanted]
+    return replace(data.truncated(places), name=f"hopper_{found.car}")
 
 
 def _carbodies(car: str, data: ModalData) -> dict[str, ModalData | None]:
