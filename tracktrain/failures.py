@@ -15,7 +15,7 @@ from orchestrator import plain
 PACKAGES = ("tracktrain", "orchestrator", "fmus", "structures")
 
 
-FURTHER = ("pyfe3d", "pyuff", "pyNastran", "sectionproperties")
+FURTHER = ("pyfe3d", "pyuff")
 """Packages of the extra `structures`."""
 
 

@@ -295,6 +295,22 @@ def test_units_that_make_no_system_are_refused(units):
         unit_system(units)
 
 
+def test_a_deck_with_one_character_wrong_is_a_model_or_one_message(tmp_path):
+    """Never another error, wherever the character stands."""
+    lines, draw = box(), np.random.default_rng(1980)
+    for _ in range(80):
+        place = int(draw.integers(3, len(lines)))
+        line, at = lines[place], int(draw.integers(len(lines[place])))
+        wrong = str(draw.choice(list("0123456789+-.,*EX $\t")))
+        spoiled = [line[:at], line[:at] + wrong + line[at + 1 :], line[:at] + line[at + 1 :]]
+        changed_line = spoiled[int(draw.integers(3))]
+        path = deck(tmp_path, [*lines[:place], changed_line, *lines[place + 1 :]])
+        try:
+            read_bulk(path, SI)
+        except StructureError as error:
+            assert "box" in str(error)
+
+
 def test_a_file_of_another_kind_says_what_to_give(tmp_path):
     for name, content, word in (
         ("x.op2", b"\0\1", "PUNCH"),
