@@ -51,3 +51,29 @@ def test_fmu_and_python_agree_over_random_states(instantiate2, block_name, seed)
     assert np.allclose(
         exact, expected, rtol=tolerances.PARITY, atol=tolerances.PARITY * np.abs(expected).max()
     )
+
+
+def test_what_is_kept_for_a_step_size_follows_sizes_parameters_and_rollbacks(instantiate):
+    """The carbody's transitions, against the twin, which keeps nothing."""
+    fmu, block = instantiate("carbody").initialize(), BLOCKS["carbody"]()
+    values = parameter_set("loaded").values(block)
+    tuned = {"modal_damping": 0.3, "torsion_frequency": 7.0}
+    twin = Twin(block, values, {"front.force_y": 1e4})
+    twin.initialize()
+    fmu.set({"front.force_y": 1e4})
+    time = 0.0
+    for k in range(12):
+        size = 2e-3 if k % 3 else 1e-3
+        if k == 4:
+            fmu.set(tuned)
+            twin.set_parameters({**values, **tuned})
+        if k == 8:
+            state = fmu.slave.getFMUState()
+            fmu.set({"modal_damping": 0.9})
+            fmu.slave.doStep(time, size)
+            fmu.slave.setFMUState(state)
+        fmu.slave.doStep(time, size)
+        twin.step(size)
+        time += size
+        theirs = twin.outputs()
+        assert np.abs(np.array(fmu.outputs()) - theirs).max() <= 1e-13 * np.abs(theirs).max()
