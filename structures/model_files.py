@@ -26,6 +26,9 @@ from .unit_system import UnitSystem, unit_system
 LADINGS = ("none", "loose", "carrying")
 """No lading; one without stiffness, as the report has it; one that carries."""
 
+SPACING = (1.0, 50.0)
+"""Least and largest distance of a car's centre plates [m]."""
+
 MOST = 400
 """Modes at most that a frequency is looked for among."""
 
@@ -81,6 +84,7 @@ def read_structure(path: Path, asked: Asked | None = None) -> Found:
             )
     found = kind.read(path, asked)
     _check_plates(found.structure)
+    _check_spacing(found.structure, asked.units)
     return found
 
 
@@ -161,6 +165,17 @@ def _check_plates(structure: Structure) -> None:
             f"{structure.name}: from the rear centre plate to the front one it is "
             f"{', '.join(f'{d:.4g}' for d in front - rear)} m along X, Y, Z; X points forward, Y "
             "left, Z up: turn the model, or change front and rear"
+        )
+
+
+def _check_spacing(structure: Structure, units: str | None) -> None:
+    front, rear = (structure.positions[structure.places[end]] for end in ENDS)
+    spacing = float(np.linalg.norm(front - rear))
+    if not SPACING[0] <= spacing <= SPACING[1]:
+        raise StructureError(
+            f"{structure.name}: the centre plates are {spacing:.4g} m apart, a car's "
+            f"{SPACING[0]:g} to {SPACING[1]:g} m. Are its places in the units '{units or 'm'}' "
+            "too, or does the model mix units?"
         )
 
 

@@ -278,6 +278,16 @@ def test_units_are_never_guessed(tmp_path, units, words):
     refused(tmp_path, box(), *words, units=unit_system(units) if units else None)
 
 
+def test_mixed_units_are_refused(tmp_path):
+    """A second steel in millimetres; a material in metres on places in millimetres."""
+    other = "MAT1,2,2.+5,,.3,7.85-9\nENDDATA"
+    refused(tmp_path, changed(box(), "ENDDATA", other), "7.85e-09", "none of the usual units")
+    lines = [line for line in box(1e-3, 1.0) if not line.startswith("MAT1")]
+    mixed = deck(tmp_path, changed(lines, "ENDDATA", f"{STEEL}\nENDDATA"))
+    with pytest.raises(StructureError, match=r"1\.05e\+04 m apart.*mix units"):
+        read_structure(mixed, Asked("m, N, s", PLATES))
+
+
 def test_a_deck_of_weights_needs_wtmass(tmp_path):
     """Densities in lb/in3: PARAM,WTMASS makes them masses."""
     weights = changed(box(INCH, POUND), "7.345-4", "0.2836")
