@@ -58,26 +58,32 @@ def fit(frequency: Array, accelerance: Complex, peak: int) -> SingleMode:
     s = 2j * pi * frequency[near] / w0
     size = np.abs(accelerance[near]).max()
     functions = accelerance[near].T / size
-    numerator = np.column_stack([np.ones_like(s), s, s**2])
-    count = len(functions)
-    # H (s^2 + a1 s + a0) = b0 + b1 s + b2 s^2: a0, a1 of all functions, then each function's b
-    system = np.zeros((count * len(s), 2 + 3 * count), complex)
-    wanted = np.zeros(count * len(s), complex)
-    for k, h in enumerate(functions):
-        rows = slice(k * len(s), (k + 1) * len(s))
-        system[rows, 0], system[rows, 1] = h, h * s
-        system[rows, 2 + 3 * k : 5 + 3 * k] = -numerator
-        wanted[rows] = -h * s**2
-    real, target = (np.concatenate([part.real, part.imag]) for part in (system, wanted))
-    found = np.linalg.lstsq(real, target, rcond=None)[0]
+    # H (s^2 + a1 s + a0) = b0 + b1 s + b2 s^2 with a0, a1 of all functions and each function's own
+    # b: what the b can reach is taken off both sides, which leaves a0 and a1 alone
+    numerator = _real(np.column_stack([np.ones_like(s), s, s**2]))
+    reach = np.linalg.qr(numerator)[0]
+
+    def beyond(values: Array) -> Array:
+        return values - reach @ (reach.T @ values)
+
+    columns = [_real((functions * power).T) for power in (np.ones_like(s), s, s**2)]
+    left = np.column_stack([beyond(column).ravel() for column in columns[:2]])
+    found = np.linalg.lstsq(left, -beyond(columns[2]).ravel(), rcond=None)[0]
+    whole = found[0] * columns[0] + found[1] * columns[1] + columns[2]
+    own = np.linalg.lstsq(numerator, whole, rcond=None)[0]
     square = max(float(found[0]), 1e-12)
     pole = -found[1] / 2 + 1j * np.sqrt(max(square - found[1] ** 2 / 4, 1e-12))
-    at_pole = found[2:].reshape(count, 3) @ np.array([1, pole, pole**2])
+    at_pole = own.T @ np.array([1, pole, pole**2])
     return SingleMode(
         float(frequency[peak] * np.sqrt(square)),
         float(found[1] / 2 / np.sqrt(square)),
         (at_pole / pole**2).real * size,
     )
+
+
+def _real(values: Complex) -> Array:
+    """Real parts, then imaginary ones, along the first axis."""
+    return np.concatenate([values.real, values.imag])
 
 
 def _band(accelerance: Complex, peak: int) -> slice:

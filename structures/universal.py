@@ -183,20 +183,24 @@ def _modes_of_functions(path: Path, datasets: Sequence[Dataset]) -> Found:
     at = [_directed(d, "rsp") for d in responses]
     exciters = np.array([d.content["ref_node"] * 10 + d.content["ref_dir"] for d in responses])
     nodes = sorted({node for node, _, _ in at})
-    shapes = np.full((len(peaks), len(nodes), 6), np.nan)
-    modes = []
-    for number, (peak, shape) in enumerate(zip(peaks, shapes, strict=True), start=1):
+    modes: list[Mode] = []
+    shapes: list[np.ndarray] = []
+    for peak in peaks:
         found = fit(frequency, accelerance, peak)
+        if any(abs(found.frequency - m.frequency) < m.damping * m.frequency for m in modes):
+            continue  # noise has given one mode two peaks
         place = f"{path.name}, peak at {frequency[peak]:.4g} Hz"
-        modes.append(_mode(place, number, found.frequency, found.damping))
-        most = max(set(exciters), key=lambda e: np.sum(found.residues[exciters == e] ** 2))
+        modes.append(_mode(place, len(modes) + 1, found.frequency, found.damping))
+        power = {e: float(np.sum(found.residues[exciters == e] ** 2)) for e in set(exciters)}
+        most = max(power, key=power.__getitem__)
+        shape = np.full((len(nodes), 6), np.nan)
         for (node, direction, sign), residue, exciter in zip(
             at, found.residues, exciters, strict=True
         ):
             if exciter == most:
                 shape[nodes.index(node), direction] = sign * residue
-        shape /= np.nanmax(np.abs(shape))
-    return tuple(modes), nodes, shapes
+        shapes.append(shape / np.nanmax(np.abs(shape)))
+    return tuple(modes), nodes, np.array(shapes)
 
 
 def _accelerance(dataset: Dataset, frequency: Array) -> np.ndarray:

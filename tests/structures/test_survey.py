@@ -185,3 +185,23 @@ def test_a_file_of_another_kind_is_refused(tmp_path):
         read_survey(tmp_path / "missing.csv")
     with pytest.raises(StructureError, match="cannot be read"):
         read_survey(tmp_path / "missing.uff")
+
+
+def test_a_hundred_noisy_functions_give_each_mode_once(tmp_path):
+    """Noise puts several peaks on one mode; they are told from modes by the mode's own width."""
+    rng, values = np.random.default_rng(7), accelerance(0)
+    base = {
+        "type": 58, "binary": 0, "func_type": 4, "func_id": 1, "ver_num": 0, "load_case_id": 0,
+        "rsp_ent_name": "NONE", "ref_ent_name": "NONE", "ref_node": 1, "ref_dir": 3,
+        "abscissa_spacing": 1, "ordinate_spec_data_type": 12, "orddenom_spec_data_type": 13,
+        "x": LINES,
+    }  # fmt: skip
+    sets = []
+    for node in range(1, 101):
+        noise = 1.0 + 0.2 * rng.normal(size=len(LINES))
+        data = values[:, node % 3] * noise
+        sets.append({**base, "rsp_node": node, "rsp_dir": 3, "data": data})
+    pyuff.UFF(str(tmp_path / "many.uff")).write_sets(sets, mode="overwrite")
+    survey = read_survey(tmp_path / "many.uff")
+    assert survey.frequencies == pytest.approx(FREQUENCIES, rel=2e-3)
+    assert survey.shapes.shape == (2, 100, 6)
