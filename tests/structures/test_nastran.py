@@ -130,6 +130,17 @@ def test_orientation_says_which_way_a_beam_is_stiff(tmp_path):
     assert abs(shape[0, 1]) > 100 * abs(shape[0, 2])
 
 
+def test_bars_of_a_deck_vibrate_as_a_free_beam_in_both_planes(tmp_path):
+    """f = 22.3733/(2 pi L^2) sqrt(E I/(rho A)), for I2 and for I1."""
+    count, length = 20, 10.0
+    lines = [f"GRID,{n},,{length * n / count},0.,0." for n in range(1, count + 2)]
+    lines += [f"CBAR,{n},1,{n},{n + 1},0.,1.,0." for n in range(1, count + 1)]
+    found = read(tmp_path, [*lines, "PBAR,1,1,1.-2,4.-5,1.-5,1.-5", STEEL])
+    stiff = np.sqrt(2e11 * np.array([1e-5, 4e-5]) / (7850 * 1e-2))
+    wanted = 22.3733 / (2 * np.pi * length**2) * stiff
+    assert free_modes(assembled(found.model), 2).frequencies == pytest.approx(wanted, rel=2e-3)
+
+
 @pytest.mark.parametrize(
     ("kind", "sizes", "like"),
     [
