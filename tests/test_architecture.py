@@ -30,7 +30,7 @@ DOORS = {
     "orchestrator/fmu/units.py": "pint reads its registry of units",
     "tracktrain/car/hopper.py": "names of cars stand in a help text; their numbers need CasADi",
     "tracktrain/cli/*": "a command loads what it needs when it runs, not when it shows its help",
-    "tracktrain/correlation/files.py": "Universal files need a package that not all have",
+    "tracktrain/correlation/files.py": "packages that read other formats are extras",
     "tracktrain/options/*": "what was typed is read without what uses it",
     "tracktrain/sweep/*": "a sweep's processes and tables load when there is a sweep",
 }

@@ -1,11 +1,11 @@
-"""Measured time histories in files: CSV with units in its first line, and Universal files."""
+"""Measured time histories in files: CSV with units in its first line, Universal files, MDF4."""
 
 from __future__ import annotations
 
 import csv
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from ..errors import TracktrainError
 from .history import Array
 
 UNIVERSAL = (".uff", ".unv", ".uf", ".ufb", ".58")
+ASAM = (".mf4", ".mdf")
 TABLES = (".csv", ".txt", ".dat", ".tsv")
 DELIMITERS = (";", "\t", ",")
 TIME_RESPONSE = 1
@@ -41,14 +42,17 @@ class Channel:
 def read_channels(path: Path) -> dict[str, Channel]:
     """The channels of a file by name; raises TracktrainError with the place in it."""
     kind = path.suffix.lower()
-    if kind not in (*UNIVERSAL, *TABLES):
+    if kind not in (*UNIVERSAL, *ASAM, *TABLES):
         raise TracktrainError(
-            f"'{path}' is no file of measurements by its name; give CSV ({', '.join(TABLES)}) or a "
-            f"Universal file with datasets 58 ({', '.join(UNIVERSAL)})"
+            f"'{path}' is no file of measurements by its name; give CSV ({', '.join(TABLES)}), a "
+            f"Universal file with datasets 58 ({', '.join(UNIVERSAL)}), or MDF ({', '.join(ASAM)})"
         )
     if not path.is_file():
         raise TracktrainError(f"there is no file '{path}'; name the measurements after the runs")
-    channels = _of_universal_file(path) if kind in UNIVERSAL else _of_table(path)
+    if kind in UNIVERSAL:
+        channels = _of_universal_file(path)
+    else:
+        channels = _of_mdf(path) if kind in ASAM else _of_table(path)
     for channel in channels.values():
         late = np.flatnonzero(np.diff(channel.time[np.isfinite(channel.time)]) <= 0.0)
         if len(late):
@@ -155,11 +159,7 @@ def _of_universal_file(path: Path) -> dict[str, Channel]:
     for dataset in datasets(path):
         content = dataset.content
         if int(content["type"]) == FUNCTIONS and int(content["func_type"]) == TIME_RESPONSE:
-            channel = _channel(content)
-            name = (
-                channel.name if channel.name not in channels else f"{channel.name} {len(channels)}"
-            )
-            channels[name] = channel
+            _add(channels, _channel(content))
     if not channels:
         raise TracktrainError(
             f"{path.name} has no time response (dataset 58 with function type 1); export the time "
@@ -176,3 +176,39 @@ def _channel(content: Mapping[str, Any]) -> Channel:
     unit = str(content.get("ordinate_axis_units_lab") or "").strip()
     unit = "1" if unit.upper() in ("", "NONE") else unit
     return Channel(name, unit, np.asarray(content["x"], float), values)
+
+
+def _of_mdf(path: Path) -> dict[str, Channel]:
+    """The channels of numbers of an MDF file; samples that it marks as invalid are NaN."""
+    try:
+        from asammdf import MDF
+    except ImportError:
+        raise TracktrainError(
+            "MDF files need asammdf; install it with 'pip install tracktrain[mdf]'"
+        ) from None
+    try:
+        with MDF(path) as file:
+            signals = list(file.iter_channels())
+    except Exception as error:  # asammdf raises many kinds
+        raise TracktrainError(f"{path.name} cannot be read as MDF: {error}") from None
+    channels: dict[str, Channel] = {}
+    for signal in signals:
+        samples = np.asarray(signal.samples)
+        if samples.dtype.kind not in "iuf" or samples.ndim != 1 or not len(samples):
+            continue
+        values = samples.astype(float)
+        if (invalid := signal.invalidation_bits) is not None:
+            values[np.asarray(invalid, bool)] = np.nan
+        time = np.asarray(signal.timestamps, float)
+        _add(channels, Channel(signal.name, (signal.unit or "1").strip(), time, values))
+    if not channels:
+        raise TracktrainError(f"{path.name} has no channel of numbers")
+    return channels
+
+
+def _add(channels: dict[str, Channel], channel: Channel) -> None:
+    """Add a channel; a second one of a name gets a number."""
+    name, count = channel.name, 2
+    while name in channels:
+        name, count = f"{channel.name} {count}", count + 1
+    channels[name] = replace(channel, name=name)

@@ -18,6 +18,10 @@ from tracktrain.correlation import Correlation, correlate
 from tracktrain.errors import TracktrainError
 
 try:
+    import asammdf
+except ImportError:
+    asammdf = None
+try:
     import pyuff
 except ImportError:
     pyuff = None
@@ -211,6 +215,36 @@ def test_a_universal_file_gives_what_a_table_gives(tmp_path: Path, logged: Write
     pyuff.UFF(str(tmp_path / "test.uff")).write_sets([dataset], "overwrite")
     found = [correlate([folder], f, MAP[:1]).numbers for f in (table, tmp_path / "test.uff")]
     assert found[1].to_numpy() == pytest.approx(found[0].to_numpy(), rel=1e-4, nan_ok=True)
+
+
+def test_an_mdf_file_gives_what_a_table_gives(tmp_path: Path, logged: Writer) -> None:
+    need(asammdf, "asammdf")
+    folder, table = run(tmp_path / "a", frequency=2.0), logged({"frequency": 2.0})
+    time, acc = np.loadtxt(table, delimiter=",", skiprows=2, usecols=(0, 1)).T
+    with asammdf.MDF(version="4.10") as file:
+        file.append([asammdf.Signal(acc, time, name="acc", unit="g")])
+        file.append(
+            [asammdf.Signal(np.array([b"on", b"off"]), time[:2], name="state", encoding="utf-8")]
+        )
+        file.save(tmp_path / "test.mf4")
+    found = [correlate([folder], f, MAP[:1]).numbers for f in (table, tmp_path / "test.mf4")]
+    assert found[1].to_numpy() == pytest.approx(found[0].to_numpy(), rel=1e-9, nan_ok=True)
+
+
+def test_a_file_that_is_none_by_its_name_or_content_is_refused(
+    tmp_path: Path, logged: Writer
+) -> None:
+    folder = run(tmp_path / "a", frequency=2.0)
+    for name, message in (
+        ("test.xlsx", "is no file of measurements by its name"),
+        ("none.csv", "there is no file"),
+        ("empty.csv", "has no rows below a line that names the columns"),
+        ("test.mf4", "cannot be read as MDF|MDF files need asammdf"),
+    ):
+        if not name.startswith("none"):
+            (tmp_path / name).write_text("")
+        with pytest.raises(TracktrainError, match=message):
+            correlate([folder], tmp_path / name, MAP)
 
 
 def test_the_command_writes_a_page_with_the_forms_of_the_report(

@@ -81,7 +81,7 @@ def command(
     out: Path,
     **corners: float | None,
 ) -> None:
-    """Put runs against measured time histories: FILE is CSV with units, or a Universal file.
+    """Put runs against measured time histories: FILE is CSV with units, Universal or MDF.
 
     Rms, peak, envelope, spectra with confidence bounds; where run and test are of one event also
     coherence and the objective rating of ISO/TS 18571. correlation.html has all of it.
