@@ -31,7 +31,7 @@ from pyfe3d.shellprop_utils import isotropic_plate
 from scipy.linalg import block_diag
 from scipy.sparse import coo_matrix, csc_matrix
 
-from .assembled import Structure
+from .assembled import Structure, rigid_motions
 from .model import Array, Beam, Element, Ints, Model, Plate, rigid_arm
 
 CLASSES = {
@@ -41,6 +41,9 @@ CLASSES = {
     "bar": (Truss, TrussData, TrussProbe),
 }
 CONSISTENT = 0
+SHEAR_FACTOR = 5 / 6
+"""Of the transverse shear of a plate, over its thickness."""
+
 SEGMENTS = 8
 """Uniform pieces that a tapered beam is made of."""
 
@@ -126,7 +129,50 @@ def matrices(element: Element, section: Plate | Beam, corners: Array) -> tuple[A
             update(rows, columns, values, prop)
         whole = coo_matrix((values, (rows, columns)), (6 * count, 6 * count)).toarray()
         found.append((whole + whole.T) / 2)
-    return found[0], found[1]
+    stiffness, mass = found
+    if isinstance(section, Plate) and count == 4:
+        stiffness = stiffness + _tied_shear(section, corners)
+    return _free(stiffness, corners), mass
+
+
+def _tied_shear(section: Plate, corners: Array) -> Array:
+    """Stiffness of what transverse shear has of linear parts in a quadrilateral, (24, 24).
+
+    Quad4 takes the shear at the middle, which leaves two motions of a plate without stiffness. The
+    linear parts follow from the shear along opposite sides, tied at their middles, and vanish in
+    any constant curvature (Bathe and Dvorkin, A four-node plate bending element, International
+    Journal for Numerical Methods in Engineering 21, 1985, 367-383).
+    """
+    across = np.cross(corners[2] - corners[0], corners[3] - corners[1])
+    area = float(np.linalg.norm(across)) / 2
+    if section.thickness**2 >= area:  # Quad4 takes the shear in full
+        return np.zeros((24, 24))
+    normal = across / np.linalg.norm(across)
+    total = np.zeros((24, 24))
+    for one, other in (((0, 1), (3, 2)), ((0, 3), (1, 2))):
+        lengths = [np.linalg.norm(corners[b] - corners[a]) for a, b in (one, other)]
+        linear = _shear_along(corners, normal, *other) - _shear_along(corners, normal, *one)
+        linear = linear / float(sum(lengths))
+        total += np.outer(linear, linear)
+    return SHEAR_FACTOR * section.material.shear * section.thickness * area / 3 * total
+
+
+def _shear_along(corners: Array, normal: Array, first: int, second: int) -> Array:
+    """Shear over a side, times its length, as a row over the degrees of freedom."""
+    row, side = np.zeros((4, 6)), corners[second] - corners[first]
+    row[second, :3], row[first, :3] = normal, -normal
+    row[[first, second], 3:] = -np.cross(side, normal) / 2
+    return row.ravel()
+
+
+def _free(stiffness: Array, corners: Array) -> Array:
+    """The stiffness without what rigid motions meet: a warped quadrilateral is taken as flat."""
+    span = float(np.ptp(corners, axis=0).max())
+    motions, _ = np.linalg.qr(rigid_motions((corners - corners.mean(axis=0)) / span))
+    scale = np.tile(np.r_[np.ones(3), np.full(3, 1 / span)], len(corners))
+    keep = np.eye(len(scale)) - motions @ motions.T
+    back = scale[:, None] * keep / scale
+    return back.T @ stiffness @ back
 
 
 def _second_axis(element: Element, corners: Array) -> Array:
