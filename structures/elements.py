@@ -131,8 +131,8 @@ def matrices(element: Element, section: Plate | Beam, corners: Array) -> tuple[A
         found.append((whole + whole.T) / 2)
     stiffness, mass = found
     if isinstance(section, Plate) and count == 4:
-        stiffness = stiffness + _tied_shear(section, corners)
-    return _free(stiffness, corners), mass
+        stiffness = _free(stiffness + _tied_shear(section, corners), corners)
+    return stiffness, mass
 
 
 def _tied_shear(section: Plate, corners: Array) -> Array:

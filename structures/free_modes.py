@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import pi
 from typing import Any
@@ -18,6 +19,12 @@ from .rigid import check_free, listed, mass_properties
 
 SHIFT = 1.0
 """Frequency [Hz] whose negative square K is shifted by, so that it can be factored."""
+
+SINGULAR = 1e-14
+"""Stiffness over that of one degree of freedom alone, below which there is none."""
+
+MASSLESS = 1e-13
+"""Inverse square of a frequency over the largest one, below which a motion has no mass."""
 
 NONE = 0.01
 """Frequency [Hz] below which a motion counts as one without stiffness."""
@@ -51,10 +58,10 @@ def free_modes(structure: Structure, count: int = 10) -> FreeModes:
     stiffness, mass = structure.stiffness, structure.mass
     shift = (2 * pi * SHIFT) ** 2
     wanted = min(count + 6, structure.degrees - 2)
-    if issparse(stiffness) and structure.degrees > 400:
+    if issparse(stiffness) and structure.degrees > max(400, 3 * wanted):
         squared, vectors = _lanczos(structure, shift, wanted)
     else:
-        squared, vectors = _dense(stiffness, mass, structure)
+        squared, vectors = _dense(stiffness, mass, structure, shift)
     _check(structure, squared, vectors)
     elastic = vectors[:, 6 : count + 6]
     elastic = elastic - rigid @ (rigid.T @ (mass @ elastic))
@@ -65,27 +72,34 @@ def free_modes(structure: Structure, count: int = 10) -> FreeModes:
     return FreeModes(np.sqrt(np.maximum(own, 0.0)) / (2 * pi), shapes, rigid)
 
 
+def factored(matrix: csc_matrix) -> Any:
+    """A symmetric positive matrix factored in an order that keeps it sparse."""
+    return splu(
+        csc_matrix(matrix),
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )
+
+
 def _lanczos(structure: Structure, shift: float, count: int) -> tuple[Array, Array]:
     stiffness, mass = structure.stiffness, structure.mass
-    # without pivoting the factor's diagonal has the signs of the eigenvalues (Sylvester)
-    whole = csc_matrix(stiffness + shift * mass)
+    total = csc_matrix(stiffness + shift * mass)
+    own = total.diagonal()
+    bare = np.flatnonzero(own == 0.0)
+    if len(bare):
+        raise _loose(structure, bare)
     try:
-        factor = splu(
-            whole,
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
-    except RuntimeError:  # exactly singular
-        bare = [structure.label(int(d)) for d in np.flatnonzero(whole.diagonal() == 0)]
-        raise StructureError(
-            f"{structure.name} is a mechanism: motions meet neither stiffness nor mass"
-            f"{', ' + listed(bare) if bare else ''}; connect them"
-        ) from None
-    pivots = factor.U.diagonal()
+        # without pivoting the factor's diagonal has the signs of the eigenvalues (Sylvester)
+        factor = factored(total)
+    except RuntimeError:  # exactly singular, at no degree of freedom in particular
+        raise _loose(structure, ()) from None
+    pivots = factor.U.diagonal()[factor.perm_c] / np.abs(own)
+    lost = np.flatnonzero(np.abs(pivots) < SINGULAR)
+    if len(lost):
+        raise _loose(structure, lost)
     if pivots.min() < 0:
-        degree = int(np.flatnonzero(factor.perm_c == int(pivots.argmin()))[0])
-        raise _negative(structure, structure.label(degree))
+        raise _negative(structure, structure.label(int(pivots.argmin())))
     inverse = LinearOperator(stiffness.shape, matvec=factor.solve)
     start = np.random.default_rng(1980).standard_normal(stiffness.shape[0])
     squared, vectors = eigsh(stiffness, count, mass, sigma=-shift, OPinv=inverse, v0=start)
@@ -93,28 +107,24 @@ def _lanczos(structure: Structure, shift: float, count: int) -> tuple[Array, Arr
     return squared[order], vectors[:, order]
 
 
-def _dense(stiffness: Any, mass: Any, structure: Structure) -> tuple[Array, Array]:
+def _dense(stiffness: Any, mass: Any, structure: Structure, shift: float) -> tuple[Array, Array]:
+    """Of M over K + s M, which may have motions without mass: they are no modes."""
     k, m = (a.toarray() if issparse(a) else np.asarray(a) for a in (stiffness, mass))
-    bare = np.linalg.eigvalsh((m + m.T) / 2)
-    if bare[0] <= 1e-14 * bare[-1]:
-        k, m, back = _without_massless(k, m, structure)
-        squared, vectors = eigh(k, m)
-        return squared, back @ vectors
-    return eigh(k, m)
-
-
-def _without_massless(k: Array, m: Array, structure: Structure) -> tuple[Array, Array, Array]:
-    """Degrees of freedom without mass condensed: they follow the others statically."""
-    bare = np.flatnonzero(np.diag(m) <= 1e-14 * np.abs(np.diag(m)).max())
-    kept = np.setdiff1d(np.arange(len(k)), bare)
-    if not len(bare) or not len(kept):
-        raise StructureError(
-            f"{structure.name}: its mass matrix has motions without mass; give every part a density"
-        )
-    back = np.zeros((len(k), len(kept)))
-    back[kept] = np.eye(len(kept))
-    back[bare] = -np.linalg.solve(k[np.ix_(bare, bare)], k[np.ix_(bare, kept)])
-    return back.T @ k @ back, back.T @ m @ back, back
+    m = (m + m.T) / 2
+    total = (k + k.T) / 2 + shift * m
+    # in units of its diagonal, so that stiff and soft motions are told apart alike
+    own = np.abs(np.diag(total))
+    size = 1 / np.sqrt(np.maximum(own, 1e-14 * own.max()))
+    scaled = total * np.outer(size, size)
+    least, vectors = eigh(scaled, subset_by_index=[0, 0])
+    if least[0] < -SINGULAR:
+        raise _negative(structure, _where(structure, size * vectors[:, 0]))
+    if least[0] < SINGULAR:
+        raise _loose(structure, _largest(size * vectors[:, 0]))
+    share, vectors = eigh(m * np.outer(size, size), scaled)
+    moved = share > MASSLESS * share[-1]
+    share, vectors = share[moved][::-1], vectors[:, moved][:, ::-1]
+    return 1 / share - shift, size[:, None] * vectors / np.sqrt(share)
 
 
 def _check(structure: Structure, squared: Array, vectors: Array) -> None:
@@ -140,6 +150,14 @@ def _check(structure: Structure, squared: Array, vectors: Array) -> None:
         )
 
 
+def _loose(structure: Structure, degrees: Iterable[int]) -> StructureError:
+    names = [structure.label(int(degree)) for degree in degrees]
+    return StructureError(
+        f"{structure.name} is a mechanism: motions meet neither stiffness nor mass"
+        f"{', ' + listed(names) if names else ''}; connect them to more than bars"
+    )
+
+
 def _negative(structure: Structure, where: str) -> StructureError:
     return StructureError(
         f"{structure.name}: the stiffness is negative in a motion of {where}; a structure cannot "
@@ -148,9 +166,12 @@ def _negative(structure: Structure, where: str) -> StructureError:
 
 
 def _where(structure: Structure, shape: Array) -> str:
+    return listed([structure.label(degree) for degree in _largest(shape)])
+
+
+def _largest(shape: Array) -> list[int]:
     order = np.argsort(-np.abs(shape))
-    large = [int(d) for d in order[:3] if abs(shape[d]) > 0.3 * abs(shape[order[0]])]
-    return listed([structure.label(d) for d in large])
+    return [int(d) for d in order[:3] if abs(shape[d]) > 0.3 * abs(shape[order[0]])]
 
 
 def _orthonormal(vectors: Any, mass: Any) -> Array:

@@ -8,8 +8,6 @@ from itertools import pairwise
 from math import pi
 
 import numpy as np
-from scipy.sparse import csc_matrix
-from scipy.sparse.linalg import splu
 
 from fmus.carbody.default_data import shapes_at
 from fmus.carbody.modal_data import ENDS, PLATE_LOADS, Body, ModalData, Mode, Point
@@ -17,7 +15,7 @@ from fmus.carbody.modal_data import ENDS, PLATE_LOADS, Body, ModalData, Mode, Po
 from .assembled import Structure
 from .correlation import modal_assurance
 from .errors import StructureError
-from .free_modes import SHIFT, FreeModes
+from .free_modes import SHIFT, FreeModes, factored
 from .model import Array
 from .rigid import mass_properties
 
@@ -90,7 +88,7 @@ def residual_flexibility(structure: Structure, modes: FreeModes) -> Array:
     degrees = [6 * structure.places[end] + d for end in ENDS for d in LOADS]
     loads = np.zeros((structure.degrees, len(PLATE_LOADS)))
     loads[degrees, range(len(degrees))] = 1.0
-    factor = splu(csc_matrix(structure.stiffness + shift * structure.mass))
+    factor = factored(structure.stiffness + shift * structure.mass)
     whole = factor.solve(loads)[degrees]
     rigid, elastic = modes.rigid[degrees], modes.shapes[degrees]
     w = 2 * pi * modes.frequencies

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -132,6 +133,7 @@ class Model:
     places: Mapping[str, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        _check_nodes(self)
         _check_sections(self)
         _check_elements(self)
         _check_masses(self)
@@ -163,19 +165,41 @@ class Model:
         return at + np.array(element.offsets) if element.offsets else at
 
 
+def _check_nodes(model: Model) -> None:
+    if not model.elements:
+        raise _error(model, "there are no elements; a structure needs some")
+    for number, place in model.nodes.items():
+        if len(place) != 3 or not np.isfinite(place).all():
+            raise _error(model, f"node {number} lies at {tuple(place)}; give x, y, z as numbers")
+    for name, number in model.places.items():
+        if number not in model.nodes:
+            raise _error(model, f"the place {name} is node {number}, which there is not")
+
+
 def _check_sections(model: Model) -> None:
     for name, section in model.sections.items():
         size = section.thickness if isinstance(section, Plate) else section.area
         what = "thickness" if isinstance(section, Plate) else "area"
-        if not size > 0:
+        if not 0 < size < inf:
             raise _error(model, f"section '{name}' has the {what} {size:g}; it must be above 0")
         m = section.material
+        if isinstance(section, Beam):
+            _check_beam(model, name, section)
         if not (m.young > 0 and -1 < m.poisson < 0.5 and m.density >= 0):
             raise _error(
                 model,
                 f"section '{name}': Young's modulus {m.young:g} Pa must be above 0, Poisson's "
                 f"ratio {m.poisson:g} between -1 and 0.5, density {m.density:g} kg/m3 not below 0",
             )
+
+
+def _check_beam(model: Model, name: str, section: Beam) -> None:
+    for own in (section, section.end or section):
+        for what in ("area", "second_y", "second_z", "torsion"):
+            if not 0 <= getattr(own, what) < inf:
+                raise _error(
+                    model, f"section '{name}' has {what} {getattr(own, what):g}; it is not below 0"
+                )
 
 
 def _check_elements(model: Model) -> None:
@@ -206,6 +230,18 @@ def _check_elements(model: Model) -> None:
             )
         if _size(model.corners(element)) <= 0:
             raise _error(model, f"{what} on nodes {element.nodes} has no length or area")
+        if element.kind == "quad" and not _convex(model.corners(element)):
+            raise _error(
+                model,
+                f"{what} on nodes {element.nodes} is not convex: give its corners in order "
+                "around it, or cut it into triangles",
+            )
+        if element.kind == "beam" and not _upright(model.corners(element), element.up):
+            raise _error(
+                model,
+                f"{what} on nodes {element.nodes} has its up {element.up} along itself; give "
+                "another",
+            )
 
 
 def _check_masses(model: Model) -> None:
@@ -214,8 +250,12 @@ def _check_masses(model: Model) -> None:
             raise _error(
                 model, f"a mass of {mass.mass:g} kg is on node {mass.node}, which there is not"
             )
-        if mass.mass < 0 or min(mass.inertia) < 0:
-            raise _error(model, f"the mass on node {mass.node} is {mass.mass:g} kg; it is below 0")
+        if not (0 <= mass.mass < inf and all(0 <= i < inf for i in mass.inertia)):
+            raise _error(
+                model,
+                f"the mass on node {mass.node} is {mass.mass:g} kg with inertias {mass.inertia}; "
+                "they are numbers from 0",
+            )
 
 
 def _check_loose(model: Model) -> None:
@@ -254,6 +294,22 @@ def shell_area(corners: Array) -> float:
     if len(corners) == 3:
         diagonals = corners[1] - corners[0], corners[2] - corners[0]
     return float(np.linalg.norm(np.cross(*diagonals)) / 2)
+
+
+def _convex(corners: Array) -> bool:
+    normal = np.cross(corners[2] - corners[0], corners[3] - corners[1])
+    sides = np.roll(corners, -1, axis=0) - corners
+    return bool((np.cross(np.roll(sides, 1, axis=0), sides) @ normal > 0).all())
+
+
+def _upright(corners: Array, up: tuple[float, float, float]) -> bool:
+    """Whether up tells how a beam is turned; a post may have up along itself: X is taken then."""
+    along, vector = corners[1] - corners[0], np.array(up, float)
+    if not np.linalg.norm(vector) > 0:
+        return False
+    size = np.linalg.norm(along) * np.linalg.norm(vector)
+    aligned = np.linalg.norm(np.cross(along, vector)) < 1e-6 * size
+    return not aligned or abs(along[0]) < 1e-6 * np.linalg.norm(along)
 
 
 def _error(model: Model, text: str) -> StructureError:

@@ -40,6 +40,12 @@ def mass_properties(structure: Structure) -> MassProperties:
     centre = np.array([matrix[2, 4] / -mass, matrix[2, 3] / mass, matrix[1, 3] / -mass])
     about = rigid_motions(structure.positions, centre)
     inertia = np.asarray(about.T @ (structure.mass @ about))[3:, 3:]
+    span = float(np.ptp(structure.positions, axis=0).max())
+    if np.linalg.eigvalsh(inertia)[0] <= 1e-12 * mass * span**2:
+        raise StructureError(
+            f"{structure.name}: its {mass:g} kg have no inertia about some axis; give its "
+            "materials a density"
+        )
     return MassProperties(mass, centre, inertia, matrix)
 
 

@@ -14,7 +14,7 @@ from structures.elements import assembled, parts_of
 from structures.errors import StructureError
 from structures.free_modes import free_modes
 from structures.model import Beam, Element, Mass, Material, Model, Plate
-from structures.rigid import mass_properties, properties_of_parts
+from structures.rigid import grounding, mass_properties, properties_of_parts
 
 STEEL = Material(2.0e11, 0.3, 7850.0)
 NO_CONTRACTION = replace(STEEL, poisson=0.0)
@@ -278,6 +278,34 @@ WHOLE = Element("quad", (1, 2, 3, 4), "plate", "floor")
             "these are not SI. Steel has Young's modulus 2e+11 in m, kg, N; 2.9e+07 in in, "
             "lb*s2/in, lbf; 200000 in mm, t, N; say the model's units",
         ),
+        ({"elements": []}, "wrong: there are no elements; a structure needs some"),
+        (
+            {"nodes": NODES | {3: (1.0, float("nan"), 0.0)}},
+            "wrong: node 3 lies at (1.0, nan, 0.0); give x, y, z as numbers",
+        ),
+        ({"places": {"front": 9}}, "wrong: the place front is node 9, which there is not"),
+        (
+            {"nodes": NODES | {3: (0.1, 0.1, 0.0)}},
+            "wrong: element 1 (quad, floor) on nodes (1, 2, 3, 4) is not convex: give its corners "
+            "in order around it, or cut it into triangles",
+        ),
+        (
+            {"sections": PLATE | {"sill": Beam(0.01, -1e-6, 1e-6, 1e-6, STEEL)}},
+            "wrong: section 'sill' has second_y -1e-06; it is not below 0",
+        ),
+        (
+            {
+                "sections": PLATE | {"sill": Beam(0.01, 1e-6, 1e-6, 1e-6, STEEL)},
+                "elements": [WHOLE, Element("beam", (1, 2), "sill", up=(1.0, 0.0, 0.0))],
+            },
+            "wrong: element 2 (beam) on nodes (1, 2) has its up (1.0, 0.0, 0.0) along itself; "
+            "give another",
+        ),
+        (
+            {"masses": [Mass(1, float("nan"))]},
+            "wrong: the mass on node 1 is nan kg with inertias (0.0, 0.0, 0.0); they are numbers "
+            "from 0",
+        ),
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_named_with_its_place(change, message):
@@ -285,6 +313,51 @@ def test_what_cannot_be_is_named_with_its_place(change, message):
     with pytest.raises(StructureError) as caught:
         Model("wrong", **given)
     assert str(caught.value) == message
+
+
+FLAT = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.1, 0.9, 0.0), (0.0, 1.0, 0.0))
+WARPED = (*FLAT[:2], (1.1, 0.9, 0.2), FLAT[3])
+
+
+@pytest.mark.parametrize("corners", [FLAT, WARPED])
+def test_a_quadrilateral_has_no_motion_without_stiffness_but_the_six_rigid_ones(corners):
+    nodes = dict(enumerate(corners, start=1))
+    structure = assembled(Model("one", nodes, PLATE, [replace(WHOLE, part="")]))
+    own = np.linalg.eigvalsh(structure.stiffness.toarray())
+    assert np.abs(own[:6]).max() < 1e-12 * own[-1]
+    assert own[6] > 1e-7 * own[-1]
+    assert grounding(structure).degrees == ()
+
+
+@pytest.mark.parametrize("count", [5, 9])
+def test_a_free_plate_rings_as_leissa_says(count):
+    """Square, free all around, Poisson 0.3: w a^2 sqrt(rho h/D) = 13.489, 19.789, 24.432.
+
+    A. W. Leissa, The free vibration of rectangular plates, Journal of Sound and Vibration 31, 1973.
+    """
+    model = square(count)
+    h = 0.01
+    stiffness = STEEL.young * h**3 / (12 * (1 - STEEL.poisson**2))
+    wanted = np.array([13.489, 19.789, 24.432]) / (2 * pi) * np.sqrt(stiffness / STEEL.density / h)
+    found = free_modes(assembled(model), 3).frequencies
+    assert found == pytest.approx(wanted, rel=2.5 / count**2)
+
+
+@pytest.mark.parametrize("count", [3, 90])
+def test_a_chain_of_bars_is_a_mechanism(count):
+    """Found by dense matrices, and by sparse ones."""
+    nodes = {n: (float(n), 0.0, 0.0) for n in range(count)}
+    bars = [Element("bar", (n, n + 1), "bar") for n in range(count - 1)]
+    model = Model("chain", nodes, {"bar": Beam(1e-3, 1e-6, 1e-6, 1e-6, STEEL)}, bars)
+    with pytest.raises(StructureError, match="chain is a mechanism: "):
+        free_modes(assembled(model), 2)
+
+
+def test_one_point_mass_is_no_structure_with_inertia():
+    light = {"plate": Plate(0.01, replace(STEEL, density=0.0))}
+    model = Model("light", NODES, light, [WHOLE], [Mass(1, 10.0)])
+    with pytest.raises(StructureError, match="its 10 kg have no inertia about some axis"):
+        free_modes(assembled(model), 2)
 
 
 def test_first_bending_wave_number_is_that_of_the_free_beam():
