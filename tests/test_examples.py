@@ -51,6 +51,6 @@ def test_a_truck_from_another_code_moves_as_the_same_joints_do_here(tmp_path):
     pytest.importorskip("exudyn")
     picture = tmp_path / "trucks.png"
     verdict, joints, six, _ = printed_by("truck_of_another_house.py", picture).splitlines()
-    assert verdict.startswith("Trust: good") and "passed their self-test" in verdict
+    assert verdict.startswith("Coupling: good") and "passed their self-test" in verdict
     assert float(joints.split()[-2]) < 0.5 < float(six.split()[-2]) < 5.0  # %
     assert picture.stat().st_size > 10_000

@@ -193,7 +193,7 @@ class Level(Enum):
 
 @dataclass(frozen=True)
 class Verdict:
-    """A level, the reasons for it, and what to do."""
+    """What the coupling of a run is worth: a level, the reasons for it, and what to do."""
 
     level: Level
     reasons: tuple[str, ...]
@@ -202,7 +202,7 @@ class Verdict:
     def __str__(self) -> str:
         said = "; ".join(self.reasons)
         todo = "".join(f" {_sentence(text)}" for text in self.advice)
-        return f"Trust: {self.level.value}. {_sentence(said)}{todo}"
+        return f"Coupling: {self.level.value}. {_sentence(said)}{todo}"
 
 
 def _sentence(text: str) -> str:

@@ -6,19 +6,26 @@ roots, shapes = car.modes(speed=24.4)
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, lru_cache
+from hashlib import sha256
+from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
+from platformdirs import user_cache_path
 
 from fmus import BLOCKS
 from fmus.carbody.default_data import default_data, outlined
 from fmus.carbody.modal import ModalCarbody
 from fmus.carbody.modal_data import ModalData
+from fmus.catalogue import source_hash
 from fmus.describe.block import Block
 from fmus.truck.mass import mass_matrix
 from fmus.truck.ports import ELEMENTS
@@ -29,6 +36,8 @@ from .layout import Layout
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+Blocks = tuple[tuple[str, Block], ...]
+Friction = tuple[tuple[str, str], ...]
 KINDS = ("stuck", "free", "damper")
 """What stands for an element's dry friction: its elastic stiffness, nothing, or the damper of
 report (7-7)."""
@@ -87,9 +96,7 @@ class LinearCar:
         for name, value in (changes or {}).items():
             self._change(name, value)
         law = int(self._values["wheelrail"]["creep_law"])
-        self._numerical, self._slope = _functions(
-            self.layout, tuple(self._blocks.items()), law, tuple(self.friction.items())
-        )
+        self._form = self.layout, tuple(self._blocks.items()), law, tuple(self.friction.items())
         self.states = _states(self.layout, self._blocks)
 
     def _change(self, name: str, value: float) -> None:
@@ -136,7 +143,7 @@ class LinearCar:
 
     def matrix(self, speed: float, changes: Mapping[str, float] | None = None) -> Array:
         """A at a speed [m/s], (states, states); changes: further values [SI] by parameter."""
-        return np.array(self._numerical(*self._arguments(speed, changes or {})))
+        return np.array(_matrix(*self._form)(*self._arguments(speed, changes or {})))
 
     def modes(self, speed: float) -> tuple[Complex, Complex]:
         """Eigenvalues [1/s] with a positive imaginary part, and their shapes in the columns."""
@@ -164,7 +171,7 @@ class LinearCar:
         first = dict(zip(self._blocks, np.cumsum([0, *sizes]), strict=False))
 
         def along(seed: Array) -> complex:
-            return complex(w @ np.array(self._slope(*arguments, seed)) @ v)
+            return complex(w @ np.array(_functions(*self._form)[1](*arguments, seed)) @ v)
 
         found = {}
         for parameter in self.parameters:
@@ -228,11 +235,27 @@ def _states(layout: Layout, blocks: Mapping[str, Block]) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=16)
+def _matrix(layout: Layout, listed: Blocks, law: int, friction: Friction) -> ca.Function:
+    """The first of `_functions`; that of a car of the blocks themselves is kept in a file."""
+    if listed != tuple(_blocks().items()):
+        return _functions(layout, listed, law, friction)[0]
+    made_of = (source_hash(), Path(__file__).read_text(), version("casadi"), layout, law, friction)
+    key = sha256(repr(made_of).encode()).hexdigest()
+    place = user_cache_path("tracktrain") / "linear" / f"{key}.casadi"
+    with suppress(OSError, RuntimeError):  # not there, or not whole
+        return ca.Function.deserialize(place.read_bytes().decode("latin-1"))
+    built = _functions(layout, listed, law, friction)[0]
+    with suppress(OSError):  # without a cache it is built each time
+        place.parent.mkdir(parents=True, exist_ok=True)
+        new = place.with_suffix(f".{os.getpid()}")
+        new.write_bytes(built.serialize().encode("latin-1"))
+        new.replace(place)
+    return built
+
+
+@lru_cache(maxsize=16)
 def _functions(
-    layout: Layout,
-    listed: tuple[tuple[str, Block], ...],
-    law: int,
-    friction: tuple[tuple[str, str], ...],
+    layout: Layout, listed: Blocks, law: int, friction: Friction
 ) -> tuple[ca.Function, ca.Function]:
     """(parameters of each block, omega, speed) -> A, and its derivative along a direction of the
     parameters and the speed, for a creep law and kinds of friction."""

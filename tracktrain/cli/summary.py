@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import isfinite
 from typing import TYPE_CHECKING
 
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from orchestrator import dominant_frequency, peak, rms
+from orchestrator.results.stationary import Estimate, peak_of, rms_of
 
 from ..car.hopper import layout_of
 from ..scales import Scale, three_digits
@@ -26,13 +28,22 @@ GROUPS = {
 }
 """Names of a layout's quantities, by group."""
 
+WIDE = 90
+"""Width of a terminal from which the table has room for both intervals."""
+
 MOST = 12
 """Rows of a system that has none of these."""
 
 
-def print_summary(console: Console, run: Run) -> None:
-    """Statistics of the variables of `GROUPS` that the run has, then how well the run went."""
-    print_whole(console, _responses(run.dataset))
+def print_summary(console: Console, run: Run, counted: xr.Dataset) -> None:
+    """Statistics of the variables of `GROUPS` that the run has, then how well the run went.
+
+    counted: the rows of the run that the statistics count.
+    """
+    table = _responses(counted)
+    if console.width < WIDE:
+        table.columns.pop(5)  # the interval of the peak
+    print_whole(console, table)
     print_whole(console, _quality(run))
 
 
@@ -41,7 +52,9 @@ def _responses(dataset: xr.Dataset) -> Table:
         "",
         "",
         "rms",
+        "±",
         "peak",
+        "±",
         "dominant\nfrequency",
         box=SIMPLE_HEAD,
         pad_edge=False,
@@ -78,10 +91,19 @@ def _first(dataset: xr.Dataset) -> Mapping[str, Mapping[str, tuple[str, Scale]]]
     return {group: {name: (name, Scale(str(dataset[name].attrs["units"]), 1.0)) for name in names}}
 
 
-def _statistics(values: xr.DataArray, scale: Scale) -> tuple[str, str, str]:
+def _statistics(values: xr.DataArray, scale: Scale) -> tuple[str, ...]:
     moves = values.size > 2 and bool((values != values[0]).any())
-    frequency = f"{dominant_frequency(values):.2f} Hz" if moves else "-"
-    return scale.numbers(rms(values)), scale.numbers(peak(values)), frequency
+    if not moves:
+        return scale.numbers(rms(values)), "-", scale.numbers(peak(values)), "-", "-"
+    middle, highest = rms_of(values), peak_of(values)
+    cells = [(scale.numbers(found.value), _uncertainty(found)) for found in (middle, highest)]
+    return (*cells[0], *cells[1], f"{dominant_frequency(values):.2f} Hz")
+
+
+def _uncertainty(found: Estimate) -> str:
+    """The wider side of an interval, in per cent of the value; "?" where it is not known."""
+    wider = max(found.high - found.value, found.value - found.low) / found.value
+    return f"{100.0 * wider:.0f}%" if isfinite(wider) else "?"
 
 
 def _quality(run: Run) -> Table:

@@ -17,9 +17,11 @@ from .fields import SETTINGS, Option, adding, field_option
 from .types import Name, Quantity
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from orchestrator import Log, System
 
-RESUMED = ("resume", "csv", "page", "quiet", "log", "log_level")
+RESUMED = ("resume", "csv", "page", "quiet", "log", "log_level", "statistics_from", "settle")
 """Options that a run which goes on may still have."""
 
 
@@ -74,6 +76,17 @@ run_options = adding(
             "printed.",
         ),
         click.option(
+            "--statistics-from",
+            type=Quantity("start of the statistics", "s", TIMES, "10s"),
+            metavar="TIME",
+            help="Time from which the statistics at the end count.  [default: the start]",
+        ),
+        click.option(
+            "--settle",
+            is_flag=True,
+            help="Leave the transient out of the statistics; its end is found (MSER-5).",
+        ),
+        click.option(
             "--resume",
             type=click.Path(path_type=Path),
             metavar="DIR",
@@ -95,6 +108,25 @@ class Kept:
 
     @classmethod
     def taken(cls, options: dict[str, Any]) -> Kept:
+        """Take what options above say out of a command's."""
+        return cls(**{f.name: options.pop(f.name) for f in fields(cls)})
+
+
+@dataclass(frozen=True)
+class Counting:
+    """Which rows the statistics count: from a time [s], and whether without the transient."""
+
+    statistics_from: float | None
+    settle: bool
+
+    def counted(self, dataset: xr.Dataset) -> xr.Dataset:
+        """Those rows; raises ValueError where next to nothing is left."""
+        from ..answer import counted
+
+        return counted(dataset, self.statistics_from, self.settle)
+
+    @classmethod
+    def taken(cls, options: dict[str, Any]) -> Counting:
         """Take what options above say out of a command's."""
         return cls(**{f.name: options.pop(f.name) for f in fields(cls)})
 

@@ -18,8 +18,8 @@ from plotly.offline import get_plotlyjs
 
 from orchestrator import Provenance, Run
 
+from ..answer import parts
 from ..assessment import assess
-from ..car.validity import departures
 from ..errors import TracktrainError
 from ..results import dataset_of
 from . import content, motion, series
@@ -58,7 +58,8 @@ def page(dataset: xr.Dataset, bonds: pd.DataFrame | None = None) -> str:
         facts=content.facts(dataset, table, bonds),
         parameters=content.parameters(dataset),
         fmus=content.fmus(dataset),
-        notes=[*provenance.notes, *map(str, departures(dataset))],
+        notes=provenance.notes,
+        parts=parts(dataset),
         versions=provenance.versions,
         assessment=table.reset_index().to_dict("records"),
         bonds=None if bonds is None else bonds.reset_index().to_dict("records"),

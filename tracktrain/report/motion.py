@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from math import pi
 from typing import Any
 
@@ -12,11 +11,10 @@ from numpy.typing import NDArray
 
 from fmus.carbody.default_data import default_data, is_outline, outlined
 from fmus.carbody.modal_data import ModalData
-from orchestrator import Provenance
 
+from ..answer.standing import given_parameters, linear_of
 from ..car.carbody import carbody_of
 from ..car.hopper import layout_of
-from ..car.linear import LinearCar
 from ..car.modes import name_of
 from ..car.shapes import RIGID, unit_motions
 from ..results import mean_speed
@@ -36,7 +34,7 @@ def scene(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Array]] | None
     coordinates), rails (frames, 4) [m] as in `Layout.rails`, way (frames) [m].
     """
     layout = layout_of(dataset)
-    truck = _parameters(dataset, layout.front.instance)
+    truck = given_parameters(dataset, layout.front.instance)
     try:
         body = _body(dataset)
         lines, motions = unit_motions(body, truck)
@@ -80,15 +78,10 @@ def modes(dataset: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, Array]] 
     speed = mean_speed(dataset)
     if speed is None:
         return None
-    linear, body = LinearCar(), carbody_of(dataset)
-    changes: dict[str, float] = {}
-    for block in ("truck", "wheelrail", *(() if body else ("carbody",))):
-        given = _parameters(dataset, layout_of(dataset).instances(block)[0])
-        known = linear.values(block)
-        if not given.keys() & known.keys():
-            return None
-        changes |= {f"{block}.{name}": v for name, v in given.items() if name in known}
-    linear = LinearCar(changes=changes, carbody=body)
+    known = linear_of(dataset)
+    if known is None:
+        return None
+    linear, _ = known
     roots, shapes = linear.modes(speed)
     slow = np.flatnonzero(roots.imag < 2 * pi * HIGHEST)
     found = [
@@ -108,12 +101,4 @@ def _body(dataset: xr.Dataset) -> ModalData:
     data = carbody_of(dataset)
     if data is not None:
         return outlined(data)
-    return default_data(_parameters(dataset, layout_of(dataset).carbody))
-
-
-def _parameters(dataset: xr.Dataset, instance: str) -> Mapping[str, float]:
-    return {
-        name.removeprefix(f"{instance}."): value
-        for name, value in Provenance.of(dataset).parameters.items()
-        if name.startswith(f"{instance}.") and isinstance(value, (int, float))
-    }
+    return default_data(given_parameters(dataset, layout_of(dataset).carbody))

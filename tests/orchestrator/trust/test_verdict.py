@@ -15,8 +15,8 @@ QUIET = [BondResidual("a.force * b.v", 1.0, 1e-6)]
 def test_a_sound_run_is_good():
     verdict = judge(None, QUIET, Evidence(PASSED, StepLimit(1e-3, 1e-2, "a.force -> b.force")))
     assert str(verdict) == (
-        "Trust: good. Energy residual 1.0e-06; the step is 0.1 of the largest stable one; the FMUs "
-        "passed their self-test."
+        "Coupling: good. Energy residual 1.0e-06; the step is 0.1 of the largest stable one; the "
+        "FMUs passed their self-test."
     )
 
 
@@ -41,7 +41,7 @@ def test_share_of_the_stable_step_decides_the_level(step, level):
 
 def test_without_a_measure_nothing_is_known_and_the_advice_is_to_verify():
     assert str(judge(None, [], Evidence(PASSED))) == (
-        "Trust: unknown. Nothing measures the coupling of this system; the FMUs passed their "
+        "Coupling: unknown. Nothing measures the coupling of this system; the FMUs passed their "
         "self-test. Verify it: run it again with half the step (--verify does)."
     )
 
@@ -50,7 +50,7 @@ def test_an_fmu_that_lies_makes_doubt_and_is_named():
     lying = SelfTest("b.fmu", (), (Finding("rollback", "a saved state forgets y"),))
     verdict = judge(None, QUIET, Evidence({**PASSED, "b": lying}))
     assert str(verdict) == (
-        "Trust: doubtful. The self-test failed for b (b.fmu: a saved state forgets y); energy "
+        "Coupling: doubtful. The self-test failed for b (b.fmu: a saved state forgets y); energy "
         "residual 1.0e-06. Have the FMU mended, or do not rely on what it got wrong."
     )
 

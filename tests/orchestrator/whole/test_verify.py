@@ -39,7 +39,7 @@ def test_the_verdict_names_the_error_and_the_order():
     run, found, *_ = displacement("one-pass")
     assert run.verdict.level.value == "good"
     assert str(run.verdict).startswith(
-        f"Trust: good. Error of one.x about {100 * found.rms:.2g} % of its rms (order 2."
+        f"Coupling: good. Error of one.x about {100 * found.rms:.2g} % of its rms (order 2."
     )
     assert any("not compared with a monolithic twin" in note for note in run.notes)
 

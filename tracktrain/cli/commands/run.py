@@ -15,7 +15,6 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
 
 import orchestrator
 
-from ...car.validity import departures
 from ...failures import Stopped, termination_as_interrupt
 from ...options.chosen import (
     CAR_ONLY,
@@ -27,12 +26,19 @@ from ...options.chosen import (
     system_options,
 )
 from ...options.master import coupling, master_options
-from ...options.run import RESUMED, Kept, isolated, logged, run_options, survival
+from ...options.run import RESUMED, Counting, Kept, isolated, logged, run_options, survival
 from ...options.trust import shown, trust_options, trusted
 from ...terminal import writable
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from orchestrator import Run
+
+    from ...answer import Part
+
+PARTS = "answer"
+"""Attribute of the results that has the verdict in parts, a line each."""
 
 STYLES = {"good": "bold green", "unknown": "bold", "doubtful": "bold yellow", "bad": "bold red"}
 """How a verdict is shown, by its level."""
@@ -89,6 +95,7 @@ def command(
     """
     how, coupled, trust = survival(options), coupling(options), trusted(options)
     kept, isolate, shape = Kept.taken(options), options.pop("isolate"), Shape.taken(options)
+    counting = Counting.taken(options)
     resume = kept.resume
     folder = writable(resume or out)
     ctx.with_resource(orchestrator.owned(folder, for_runs=True))
@@ -135,9 +142,7 @@ def command(
         lost = _write(result, folder, kept.csv, kept.page)
     if result.completed:
         shutil.rmtree(folder / FMUS_OF_CHECKPOINT, ignore_errors=True)
-    if not quiet:
-        outside = [str(departure) for departure in departures(result.dataset)]
-        _print(result, [*result.notes, *outside, *lost], folder)
+    _judge(result, counting, folder, lost, quiet)
     if not result.completed:
         message = result.message or "the run stopped early"
         hint = f"; go on with --resume {folder}" if how["checkpoint"] or resume else ""
@@ -166,15 +171,45 @@ def _write(result: Run, folder: Path, csv: bool, page: bool) -> list[str]:
     return []
 
 
-def _print(result: Run, notes: list[str], folder: Path) -> None:
+def _judge(result: Run, counting: Counting, folder: Path, lost: list[str], quiet: bool) -> None:
+    """Say the verdict in parts in the results, and with the table at the end."""
+    from ...answer import parts
+
+    try:
+        dataset = counting.counted(result.dataset)
+    except ValueError as error:
+        dataset, lost = result.dataset, [*lost, f"{error}; all of it is counted"]
+    judged = parts(dataset, result.verdict)
+    lost = [*lost, *_say(judged, folder)]
+    if quiet:
+        return
+    console = Console()
+    _print(console, result, dataset, [*result.notes, *lost], folder)
+    for part in judged:
+        console.print(str(part), style=STYLES[part.level.value], markup=False, highlight=False)
+
+
+def _say(judged: list[Part], folder: Path) -> list[str]:
+    """Have results.nc say the verdict in parts, and say what hinders."""
+    from orchestrator.results.netcdf import ResultsFile
+
+    try:
+        said = "\n".join(map(str, judged))
+        ResultsFile.reopen(folder / orchestrator.RESULTS_NAME).finish({PARTS: said})
+    except (OSError, orchestrator.ResultsError) as error:
+        return [f"results.nc does not say the verdict in parts: {error}"]
+    return []
+
+
+def _print(
+    console: Console, result: Run, dataset: xr.Dataset, notes: list[str], folder: Path
+) -> None:
     from ..summary import print_summary
 
-    console = Console()
-    print_summary(console, result)
+    print_summary(console, result, dataset)
     for note in notes:
         console.print(f"note: {note}", style="dim", markup=False, highlight=False)
     console.print(f"results.nc and pictures are in {folder}", markup=False, highlight=False)
-    console.print(str(result.verdict), style=STYLES[result.verdict.level.value], markup=False)
 
 
 Report = Callable[[float, float], None]

@@ -1,0 +1,70 @@
+"""What a run's answer is worth: settled or not, and where it stands."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from orchestrator.trust.findings import Level, Verdict
+from tracktrain.answer import counted, parts
+from tracktrain.answer.standing import Standing
+from tracktrain.scales import FOOT
+
+STEP, DURATION = 0.01, 60.0
+
+
+def run_of(rate: float = 0.0, amplitude: float = 1e-3) -> xr.Dataset:
+    """A run of the car whose leading axle swings, with a noise of its own."""
+    time = np.arange(0.0, DURATION, STEP)
+    noise = 1.0 + 0.01 * np.random.default_rng(1).normal(size=time.size)
+    y = amplitude * np.exp(rate * time) * np.sin(2 * np.pi * 2.0 * time) * noise
+    columns = {"wheelset_11.y_rel": y, "carbody.cg.az": np.zeros_like(time)}
+    units = {"wheelset_11.y_rel": "m", "carbody.cg.az": "m/s2"}
+    return xr.Dataset(
+        {name: ("time", column, {"units": units[name]}) for name, column in columns.items()},
+        {"time": ("time", time, {"units": "s"})},
+    )
+
+
+def answer_of(dataset: xr.Dataset) -> str:
+    return next(str(part) for part in parts(dataset) if part.name == "answer")
+
+
+def test_a_settled_run_is_good_and_what_does_not_move_is_not_excited():
+    said = answer_of(run_of())
+    assert said.startswith("Answer: good. Settled")
+    assert "Not excited: vertical acceleration" in said
+
+
+def test_a_growing_run_says_how_much_and_how_long_to_run():
+    said = answer_of(run_of(rate=np.log(4.0) / (DURATION / 2)))
+    assert "Answer: doubtful. Not settled: grew 4 times" in said
+    assert "run at least 220 s" in said
+
+
+def test_the_worst_part_comes_first_and_the_coupling_is_one_of_them():
+    found = parts(run_of(rate=0.1), Verdict(Level.BAD, ("the run did not reach its end",)))
+    assert [part.name for part in found][:2] == ["coupling", "answer"]
+    assert {part.name for part in found} == {"coupling", "answer", "range", "numbers"}
+
+
+def test_a_run_that_left_a_limit_is_doubtful_in_range():
+    outside = run_of().assign({"truck_front.lift_left": ("time", np.full(6000, 0.01))})
+    outside["truck_front.lift_left"].attrs["units"] = "m"
+    ranged = next(part for part in parts(outside) if part.name == "range")
+    assert ranged.level is Level.DOUBTFUL and "lifted wheels" in ranged.text
+
+
+def test_settling_leaves_the_transient_out():
+    decaying = run_of() + run_of(rate=-1.0, amplitude=0.05)
+    assert 2.0 < float(counted(decaying, None, settle=True).time[0]) < 20.0
+    assert float(counted(decaying, 30.0, settle=True).time[0]) == pytest.approx(30.0)
+
+
+def test_above_the_critical_speed_is_said_with_the_time_to_grow_tenfold():
+    standing = Standing(60 * FOOT, 55 * FOOT, 0.1, "lateral", 0.76, ())
+    assert standing.above and standing.tenfold == pytest.approx(23.0, abs=0.1)
+    assert "60 ft/s (40.9 mph) is above the critical speed" in str(standing)
+    below = Standing(50 * FOOT, 55 * FOOT, -0.1, "", 0.0, ())
+    assert "50 ft/s (34.1 mph) is below the critical speed" in str(below)

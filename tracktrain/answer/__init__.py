@@ -1,0 +1,130 @@
+"""What a run's answer is worth, in parts: its coupling, the answer itself, its range, its numbers.
+
+for part in parts(run.dataset, run.verdict):
+    print(part)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil
+
+import xarray as xr
+
+from orchestrator.results.stationary import Settling, State, from_time, settling
+from orchestrator.trust.findings import Level, Verdict
+
+from ..car.hopper import layout_of
+from ..car.validity import departures
+from ..quantities import MOST
+from .standing import Standing, standing
+
+ORDER = [Level.BAD, Level.DOUBTFUL, Level.UNKNOWN, Level.GOOD]
+
+
+@dataclass(frozen=True)
+class Part:
+    """One part of a verdict: what it is about, its level, and a sentence or two."""
+
+    name: str
+    level: Level
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.name.capitalize()}: {self.level.value}. {self.text}"
+
+
+def parts(dataset: xr.Dataset, verdict: Verdict | None = None) -> list[Part]:
+    """The verdict on a run in parts, the worst first; the coupling's where it is given."""
+    found = [_answer(dataset)]
+    if _is_car(dataset):
+        found += [_range(dataset), NUMBERS]
+    if verdict is not None:
+        text = str(verdict).partition(". ")[2]
+        found.insert(0, Part("coupling", verdict.level, text))
+    return sorted(found, key=lambda part: ORDER.index(part.level))
+
+
+def moving(dataset: xr.Dataset) -> dict[str, Settling]:
+    """How what is printed of a run settles, by its label; of another system its first outputs."""
+    shown = [s for s in layout_of(dataset).quantities.values() if s.variable in dataset]
+    named = {s.label: s.variable for s in shown} or {
+        str(name): str(name) for name in list(dataset.data_vars)[:MOST]
+    }
+    return {label: settling(dataset[variable]) for label, variable in named.items()}
+
+
+def counted(dataset: xr.Dataset, start: float | None, settle: bool) -> xr.Dataset:
+    """The rows of a run that its statistics count.
+
+    start: their first time [s]. settle: leave out the transient, found by MSER-5. Raises ValueError
+    where next to nothing is left.
+    """
+    counted_from = float(dataset["time"][0])
+    if settle:
+        counted_from += max((s.transient for s in moving(dataset).values()), default=0.0)
+    if start is not None:
+        counted_from = max(counted_from, start)
+    return from_time(dataset, counted_from)
+
+
+def _is_car(dataset: xr.Dataset) -> bool:
+    return any(shown.variable in dataset for shown in layout_of(dataset).quantities.values())
+
+
+def _answer(dataset: xr.Dataset) -> Part:
+    found, stands = moving(dataset), standing(dataset)
+    level, text = _settled(found, stands)
+    if not _is_car(dataset):
+        return Part("answer", level, text)
+    if stands is None:
+        return Part("answer", level, f"{text} The linear car of this run is not known.")
+    return Part("answer", level, f"{text} {_capital(str(stands))}.")
+
+
+def _settled(found: dict[str, Settling], stands: Standing | None) -> tuple[Level, str]:
+    alive = {label: s for label, s in found.items() if s.state is not State.STILL}
+    still = [label for label in found if label not in alive]
+    more = f" Not excited: {', '.join(still)}." if still else ""
+    if not alive:
+        return Level.UNKNOWN, f"Nothing that is judged moves.{more}"
+    growth = max((s.rate, s.growth) for s in alive.values())[1]
+    unsettled = {k: s for k, s in alive.items() if s.state is not State.SETTLED}
+    if not unsettled:
+        return Level.GOOD, f"Settled: statistics mean something.{more}"
+    needed = max(s.needed for s in unsettled.values())
+    states = {s.state for s in unsettled.values()}
+    above = stands is not None and stands.above
+    if above and stands is not None:
+        needed = max(needed, min(10.0 / stands.growth, 600.0))
+    todo = f"run at least {_rounded(needed)} s, and leave out the transient (--settle)"
+    if State.GROWING in states or (above and growth > 1.0):
+        said = f"grew {growth:.2g} times from the first half to the second"
+        return Level.DOUBTFUL, f"Not settled: {said}; {todo}.{more}"
+    if State.DECAYING in states:
+        return Level.DOUBTFUL, f"Not settled: {', '.join(unsettled)} decays; {todo}.{more}"
+    return Level.DOUBTFUL, f"Too short for statistics of {', '.join(unsettled)}; {todo}.{more}"
+
+
+def _range(dataset: xr.Dataset) -> Part:
+    outside = departures(dataset)
+    if outside:
+        return Part("range", Level.DOUBTFUL, " ".join(f"{_capital(str(d))}." for d in outside))
+    return Part("range", Level.GOOD, "The run stayed inside what its blocks state limits for.")
+
+
+NUMBERS = Part(
+    "numbers",
+    Level.UNKNOWN,
+    "Most masses and inertias are estimates, and no range of them is taken into account; vary them "
+    "with tracktrain sweep, or compare with measured data.",
+)
+
+
+def _capital(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}"
+
+
+def _rounded(seconds: float) -> int:
+    """Upwards to tens of seconds; below ten to seconds."""
+    return ceil(seconds) if seconds < 10.0 else 10 * ceil(seconds / 10.0)

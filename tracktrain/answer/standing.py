@@ -1,0 +1,141 @@
+"""Where a run stands: its speed beside the speed from which the linear car's motion grows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import inf, log, pi
+
+import numpy as np
+import xarray as xr
+
+from orchestrator import Provenance
+
+from ..car.carbody import carbody_of
+from ..car.hopper import layout_of
+from ..car.layout import Layout
+from ..car.linear import LinearCar
+from ..car.modes import critical_speeds, growing
+from ..results import mean_speed
+from ..scales import FOOT, MILE_PER_HOUR
+
+LOWEST, HIGHEST, SPEEDS = 15 * FOOT, 150 * FOOT, 28
+"""Speeds that are searched for the critical one [m/s], and their number."""
+
+REPEATED = {"truck": "trucks", "wheelrail": "wheelsets"}
+
+
+@dataclass(frozen=True)
+class Standing:
+    """speed, critical: [m/s], None where no mode grows up to `HIGHEST`. growth: of the fastest mode
+    [1/s]. mode, frequency: its name and [Hz], where it grows. unknown: what the linear car leaves
+    out."""
+
+    speed: float
+    critical: float | None
+    growth: float
+    mode: str
+    frequency: float
+    unknown: tuple[str, ...]
+
+    @property
+    def above(self) -> bool:
+        """Whether the motion of the linear car grows at this speed."""
+        return self.growth > 0.0
+
+    @property
+    def tenfold(self) -> float:
+        """Time in which it grows tenfold [s]."""
+        return log(10.0) / self.growth if self.above else inf
+
+    def __str__(self) -> str:
+        critical = (
+            f"no critical speed of the linear car up to {_speed(HIGHEST)}"
+            if self.critical is None
+            else f"critical speed of the linear car {_speed(self.critical)}"
+        )
+        if not self.above:
+            where = f"{_speed(self.speed)} is below the critical speed" if self.critical else ""
+            said = f"{where or critical}" + (f"; {critical}" if where else "")
+        else:
+            said = (
+                f"{_speed(self.speed)} is above the critical speed: the mode `{self.mode}` "
+                f"({self.frequency:.2f} Hz) grows by {self.growth:.2g} 1/s, tenfold in "
+                f"{self.tenfold:.2g} s; {critical}"
+            )
+        unknown = f" (it does not know {', '.join(self.unknown)})" if self.unknown else ""
+        return said + unknown
+
+
+def linear_of(dataset: xr.Dataset) -> tuple[LinearCar, tuple[str, ...]] | None:
+    """The linear car of a run, and what it does not know of it.
+
+    None where the run does not have the parameters of the blocks.
+    """
+    linear, body, layout = LinearCar(), carbody_of(dataset), layout_of(dataset)
+    changes: dict[str, float] = {}
+    unknown = []
+    for block in ("truck", "wheelrail", *(() if body else ("carbody",))):
+        instances = layout.instances(block)
+        given = given_parameters(dataset, instances[0])
+        known = linear.values(block)
+        if not given.keys() & known.keys():
+            return None
+        changes |= {f"{block}.{name}": v for name, v in given.items() if name in known}
+        if any(_differ(dataset, given, other) for other in instances[1:]):
+            unknown.append(f"that the {REPEATED[block]} differ, and takes the first")
+    unknown += _swapped(dataset, layout)
+    return LinearCar(changes=changes, carbody=body), tuple(unknown)
+
+
+def standing(dataset: xr.Dataset) -> Standing | None:
+    """Where a run stands; None where its linear car is not known.
+
+    A carbody of modal data is left out: its linear car takes seconds to build.
+    """
+    speed = mean_speed(dataset)
+    if speed is None or speed <= 0.0 or carbody_of(dataset) is not None:
+        return None
+    found = linear_of(dataset)
+    if found is None:
+        return None
+    linear, unknown = found
+    now = growing(linear, speed)
+    first = next(iter(critical_speeds(linear, np.linspace(LOWEST, HIGHEST, SPEEDS))), None)
+    return Standing(
+        speed,
+        first.speed if first else None,
+        now.root.real if now else linear.growth(speed),
+        now.mode if now else "",
+        now.root.imag / (2 * pi) if now else 0.0,
+        unknown,
+    )
+
+
+def given_parameters(dataset: xr.Dataset, instance: str) -> Mapping[str, float]:
+    """The numbers that a run gave an instance [SI]."""
+    return {
+        name.removeprefix(f"{instance}."): value
+        for name, value in Provenance.of(dataset).parameters.items()
+        if name.startswith(f"{instance}.") and isinstance(value, (int, float))
+    }
+
+
+def _differ(dataset: xr.Dataset, first: Mapping[str, float], other: str) -> bool:
+    own = given_parameters(dataset, other)
+    return any(own.get(n, v) != v for n, v in first.items() if not n.startswith("initial."))
+
+
+def _swapped(dataset: xr.Dataset, layout: Layout) -> list[str]:
+    """Instances whose FMU is another than that of most of their block."""
+    fmus = Provenance.of(dataset).fmus
+    found = []
+    for instance, block in layout.blocks.items():
+        stem = str(fmus.get(instance, {}).get("file", "")).split(".")[0]
+        if block != "track" and stem and stem != block:
+            found.append(f"the FMU of {instance}")
+    return found
+
+
+def _speed(speed: float) -> str:
+    return f"{speed / FOOT:.3g} ft/s ({speed / MILE_PER_HOUR:.3g} mph)"
