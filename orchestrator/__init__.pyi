@@ -36,6 +36,17 @@ from .results.provenance import Provenance
 from .results.reading import open_results
 from .results.run import Run
 from .results.sink import Header, Sink
+from .results.stationary import (
+    Estimate,
+    Settling,
+    State,
+    frequency_of,
+    from_time,
+    peak_of,
+    percentile_of,
+    rms_of,
+    settling,
+)
 from .run.checkpoint import read_checkpoint
 from .run.execution import Execution
 from .run.log import Log
@@ -50,7 +61,7 @@ from .ssp.writer import write_ssp
 from .system.profile import Profile, read_profile
 from .system.system import Component, Connection, Experiment, PowerBond, System, Value
 from .system.transformation import Linear, Table
-from .trust.findings import CHECKS
+from .trust.findings import CHECKS, Level, Verdict
 from .trust.tested import self_tests
 from .whole.linearise import LinearModel, linearise
 from .whole.monolith import monolith
@@ -71,6 +82,7 @@ __all__ = [
     "DamageError",
     "Description",
     "DimensionError",
+    "Estimate",
     "Execution",
     "Experiment",
     "FmuError",
@@ -80,6 +92,7 @@ __all__ = [
     "Iterated",
     "Jacobi",
     "Kind",
+    "Level",
     "Linear",
     "LinearModel",
     "Log",
@@ -102,13 +115,16 @@ __all__ = [
     "Run",
     "Session",
     "Settings",
+    "Settling",
     "Sink",
+    "State",
     "System",
     "Table",
     "Tangent",
     "UnitError",
     "Value",
     "Variable",
+    "Verdict",
     "Way",
     "all_masters",
     "choices",
@@ -118,6 +134,8 @@ __all__ = [
     "describe",
     "dominant_frequency",
     "fit",
+    "frequency_of",
+    "from_time",
     "in_unit",
     "interpolated",
     "linearise",
@@ -130,6 +148,8 @@ __all__ = [
     "options_of_masters",
     "owned",
     "peak",
+    "peak_of",
+    "percentile_of",
     "plain",
     "read_checkpoint",
     "read_port_map",
@@ -137,8 +157,10 @@ __all__ = [
     "read_ssp",
     "resume",
     "rms",
+    "rms_of",
     "scale_of",
     "self_tests",
+    "settling",
     "shaped",
     "simulate",
     "survey",

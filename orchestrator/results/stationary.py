@@ -58,6 +58,7 @@ class State(Enum):
     SHORT = "too short"
     GROWING = "growing"
     DECAYING = "decaying"
+    BURST = "beyond all numbers"
 
 
 @dataclass(frozen=True)
@@ -130,7 +131,7 @@ def effective_samples(values: Array) -> float:
 
 def rms_of(response: xr.DataArray) -> Estimate:
     """Root mean square about zero, by batch means of the square."""
-    square = np.square(response.to_numpy())
+    square = _square(response.to_numpy())
     if not _enough(square):
         return Estimate(rms(response), nan, nan)
     mean = batch_mean(square)
@@ -145,7 +146,7 @@ def peak_of(response: xr.DataArray) -> Estimate:
     Modeling of Extreme Values (2001), chapter 3.
     """
     values, highest = np.abs(response.to_numpy()), peak(response)
-    if not _enough(np.square(values)):
+    if not _enough(_square(values)):
         return Estimate(highest, nan, nan)
     peaks = batched(values).max(axis=1)
     scale = sqrt(6.0) / pi * float(peaks.std(ddof=1))
@@ -163,7 +164,7 @@ def frequency_of(response: xr.DataArray) -> Estimate:
     """
     value, count = dominant_frequency(response), BATCHES // 2
     length = response.size // count
-    if not _enough(np.square(response.to_numpy())):
+    if not _enough(_square(response.to_numpy())):
         return Estimate(value, nan, nan)
     parts = [
         dominant_frequency(response[start * length : (start + 1) * length])
@@ -198,10 +199,13 @@ def settling(response: xr.DataArray) -> Settling:
     """
     time, values = response["time"].to_numpy(), response.to_numpy()
     duration = float(time[-1] - time[0]) if time.size else 0.0
-    square = np.square(values - values.mean()) if values.size else values
-    if values.size < 4 * BATCHES or not np.ptp(values) > 0.0:
-        state = State.SHORT if values.size < 4 * BATCHES else State.STILL
-        return Settling(state, 1.0, 0.0, 0.0, 0.0, nan)
+    if values.size and not np.all(np.isfinite(_square(_square(values)))):
+        return Settling(State.BURST, inf, inf, 0.0, 0.0, nan)
+    square = _square(values - values.mean()) if values.size else values
+    if values.size < 4 * BATCHES or not np.any(values != values[0]):
+        rows = max(values.size, 1)
+        state = State.SHORT if rows < 4 * BATCHES else State.STILL
+        return Settling(state, 1.0, 0.0, 0.0, 0.0, duration * 4 * BATCHES / rows)
     half = values.size // 2
     growth = _ratio(float(square[half:].mean()), float(square[:half].mean()))
     transient = duration * truncation(square) / values.size
@@ -251,7 +255,14 @@ def _ratio(second: float, first: float) -> float:
 
 
 def _enough(square: Array) -> bool:
-    return square.size >= 4 * BATCHES and effective_samples(square) >= FEWEST
+    if square.size < 4 * BATCHES or not np.all(np.isfinite(_square(square))):
+        return False
+    return effective_samples(square) >= FEWEST
+
+
+def _square(values: Array) -> Array:
+    with np.errstate(over="ignore", invalid="ignore"):  # of what blew up
+        return np.asarray(np.square(values))
 
 
 def _student(freedom: int) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from orchestrator.trust.findings import Level, Verdict
+from orchestrator import Level, Verdict
 from tracktrain.answer import counted, parts
 from tracktrain.answer.standing import Standing
 from tracktrain.scales import FOOT

@@ -11,8 +11,7 @@ from math import ceil
 
 import xarray as xr
 
-from orchestrator.results.stationary import Settling, State, from_time, settling
-from orchestrator.trust.findings import Level, Verdict
+from orchestrator import Level, Settling, State, Verdict, from_time, settling
 
 from ..car.hopper import layout_of
 from ..car.validity import departures
@@ -88,6 +87,8 @@ def _settled(found: dict[str, Settling], stands: Standing | None) -> tuple[Level
     more = f" Not excited: {', '.join(still)}." if still else ""
     if not alive:
         return Level.UNKNOWN, f"Nothing that is judged moves.{more}"
+    if any(s.state is State.BURST for s in alive.values()):
+        return Level.BAD, f"The motion grew beyond all numbers; see the coupling.{more}"
     growth = max((s.rate, s.growth) for s in alive.values())[1]
     unsettled = {k: s for k, s in alive.items() if s.state is not State.SETTLED}
     if not unsettled:

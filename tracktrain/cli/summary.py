@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from orchestrator import dominant_frequency, peak, rms
-from orchestrator.results.stationary import Estimate, peak_of, rms_of
+from orchestrator import Estimate, dominant_frequency, peak, peak_of, rms, rms_of
 
 from ..car.hopper import layout_of
 from ..scales import Scale, three_digits

@@ -132,6 +132,18 @@ def test_what_does_not_move_is_still() -> None:
     assert settling(response(np.zeros(ROWS))).state is State.STILL
 
 
+def test_what_blew_up_is_said_and_has_no_interval() -> None:
+    burst = response(np.exp(np.minimum(0.1 * np.arange(ROWS), 700.0)))
+    burst[-1] = np.inf
+    assert settling(burst).state is State.BURST
+    assert np.isnan(rms_of(burst).low) and np.isnan(peak_of(burst).low)
+
+
+def test_a_run_of_a_few_rows_is_too_short_and_says_what_it_needs() -> None:
+    found = settling(response(sine(rows=10)))
+    assert found.state is State.SHORT and np.isfinite(found.needed)
+
+
 def test_mser5_drops_a_transient_and_keeps_what_is_settled() -> None:
     values = autoregressive(3)
     late = values + 10.0 * np.exp(-np.arange(ROWS) / 100)

@@ -191,11 +191,9 @@ def _judge(result: Run, counting: Counting, folder: Path, lost: list[str], quiet
 
 def _say(judged: list[Part], folder: Path) -> list[str]:
     """Have results.nc say the verdict in parts, and say what hinders."""
-    from orchestrator.results.netcdf import ResultsFile
-
     try:
         said = "\n".join(map(str, judged))
-        ResultsFile.reopen(folder / orchestrator.RESULTS_NAME).finish({PARTS: said})
+        orchestrator.ResultsFile.reopen(folder / orchestrator.RESULTS_NAME).finish({PARTS: said})
     except (OSError, orchestrator.ResultsError) as error:
         return [f"results.nc does not say the verdict in parts: {error}"]
     return []
