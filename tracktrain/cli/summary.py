@@ -27,8 +27,8 @@ GROUPS = {
 }
 """Names of a layout's quantities, by group."""
 
-WIDE = 90
-"""Width of a terminal from which the table has room for both intervals."""
+WIDE = 96
+"""Width of a terminal from which the table has room for intervals."""
 
 MOST = 12
 """Rows of a system that has none of these."""
@@ -41,7 +41,7 @@ def print_summary(console: Console, run: Run, counted: xr.Dataset) -> None:
     """
     table = _responses(counted)
     if console.width < WIDE:
-        table.columns.pop(5)  # the interval of the peak
+        del table.columns[5], table.columns[3]  # the intervals
     print_whole(console, table)
     print_whole(console, _quality(run))
 
