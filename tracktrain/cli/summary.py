@@ -39,21 +39,16 @@ def print_summary(console: Console, run: Run, counted: xr.Dataset) -> None:
 
     counted: the rows of the run that the statistics count.
     """
-    table = _responses(counted)
-    if console.width < WIDE:
-        del table.columns[5], table.columns[3]  # the intervals
-    print_whole(console, table)
+    print_whole(console, _responses(counted, intervals=console.width >= WIDE))
     print_whole(console, _quality(run))
 
 
-def _responses(dataset: xr.Dataset) -> Table:
+def _responses(dataset: xr.Dataset, intervals: bool) -> Table:
+    statistics = ("rms", "±", "peak", "±") if intervals else ("rms", "peak")
     table = Table(
         "",
         "",
-        "rms",
-        "±",
-        "peak",
-        "±",
+        *statistics,
         "dominant\nfrequency",
         box=SIMPLE_HEAD,
         pad_edge=False,
@@ -65,7 +60,9 @@ def _responses(dataset: xr.Dataset) -> Table:
     for group, rows in (_known(dataset) or _first(dataset)).items():
         table.add_row(group, style="bold")
         for label, (variable, scale) in rows.items():
-            table.add_row(f" {label}", scale.units, *_statistics(dataset[variable], scale))
+            table.add_row(
+                f" {label}", scale.units, *_statistics(dataset[variable], scale, intervals)
+            )
     return table
 
 
@@ -90,13 +87,14 @@ def _first(dataset: xr.Dataset) -> Mapping[str, Mapping[str, tuple[str, Scale]]]
     return {group: {name: (name, Scale(str(dataset[name].attrs["units"]), 1.0)) for name in names}}
 
 
-def _statistics(values: xr.DataArray, scale: Scale) -> tuple[str, ...]:
+def _statistics(values: xr.DataArray, scale: Scale, intervals: bool) -> tuple[str, ...]:
     moves = values.size > 2 and bool((values != values[0]).any())
-    if not moves:
-        return scale.numbers(rms(values)), "-", scale.numbers(peak(values)), "-", "-"
-    middle, highest = rms_of(values), peak_of(values)
-    cells = [(scale.numbers(found.value), _uncertainty(found)) for found in (middle, highest)]
-    return (*cells[0], *cells[1], f"{dominant_frequency(values):.2f} Hz")
+    frequency = f"{dominant_frequency(values):.2f} Hz" if moves else "-"
+    if not intervals:
+        return scale.numbers(rms(values)), scale.numbers(peak(values)), frequency
+    found = (rms_of(values), peak_of(values))
+    cells = [(scale.numbers(x.value), _uncertainty(x) if moves else "-") for x in found]
+    return (*cells[0], *cells[1], frequency)
 
 
 def _uncertainty(found: Estimate) -> str:
