@@ -132,7 +132,7 @@ def frequency_figure(cars: Mapping[str, Correlated]) -> Figure:
     figure = Figure(figsize=(9.0, 4.2), layout="constrained")
     grid = figure.subplots(1, len(cars), squeeze=False)[0]
     for axes, (car, found) in zip(grid, cars.items(), strict=True):
-        top = 1.15 * max(max(p.test.frequency, p.analysis.frequency) for p in found.pairs)
+        top = 1.3 * max(max(p.test.frequency, p.analysis.frequency) for p in found.pairs)
         axes.plot([0, top], [0, top], color=GRID, lw=1.5)
         test = [pair.test.frequency for pair in found.pairs]
         axes.plot(test, [p.analysis.frequency for p in found.pairs], "o", color=BLUE, label="ours")
