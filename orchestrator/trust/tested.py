@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import subprocess
@@ -30,6 +31,8 @@ def self_tests(components: Mapping[str, Component], *, anew: bool = False) -> di
     """The self-test of each instance's FMU; what is remembered counts, unless `anew`.
 
     An FMU is tested with the values of the first instance that has it, by steps that it recommends.
+    A test that found nothing wrong counts for all values, another one for these values alone: they
+    may be what was wrong.
     Raises OrchestratorError for what cannot be described.
     """
     hashes: dict[str, str] = {}
@@ -43,13 +46,13 @@ def self_tests(components: Mapping[str, Component], *, anew: bool = False) -> di
         sha256 = hashes[name] = component_description(name, component).sha256
         if sha256 in known or sha256 in waiting:
             continue
-        if not anew and (found := _remembered(sha256)):
+        if not anew and (found := _remembered(sha256, component)):
             known[sha256] = found
         else:
             waiting[sha256] = component
     for sha256, found in zip(waiting, _elsewhere(list(waiting.values())), strict=True):
         known[sha256] = found
-        _remember(sha256, found)
+        _remember(sha256, waiting[sha256], found)
     return {name: known[sha256] for name, sha256 in hashes.items()}
 
 
@@ -97,19 +100,24 @@ def _run(asked: Path, answered: Path, timeout: float) -> str:
     return f"its self-test crashed ({cause(process.returncode)}){more}"
 
 
-def _place(sha256: str) -> Path:
-    return user_cache_path("tracktrain") / "self_tests" / f"{VERSION}-{sha256}.json"
+def _place(sha256: str, component: Component | None = None) -> Path:
+    """The file of a test; component: whose values it counts for, if not for all."""
+    own = ""
+    if component is not None:
+        given = repr(sorted(component.parameters.items()))
+        own = f"-{hashlib.sha256(given.encode()).hexdigest()[:16]}"
+    return user_cache_path("tracktrain") / "self_tests" / f"{VERSION}-{sha256}{own}.json"
 
 
-def _remembered(sha256: str) -> SelfTest | None:
-    try:
-        return _decoded(json.loads(_place(sha256).read_text()))
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
+def _remembered(sha256: str, component: Component) -> SelfTest | None:
+    for path in (_place(sha256), _place(sha256, component)):
+        with suppress(OSError, ValueError, KeyError, TypeError):
+            return _decoded(json.loads(path.read_text()))
+    return None
 
 
-def _remember(sha256: str, found: SelfTest) -> None:
-    path = _place(sha256)
+def _remember(sha256: str, component: Component, found: SelfTest) -> None:
+    path = _place(sha256, component if any(f.wrong for f in found.findings) else None)
     with suppress(OSError):  # without a cache it is tested each time
         path.parent.mkdir(parents=True, exist_ok=True)
         new = path.with_suffix(f".{os.getpid()}")

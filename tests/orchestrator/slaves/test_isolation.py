@@ -214,7 +214,8 @@ def test_worker_dies_with_its_parent_even_when_that_is_killed(tmp_path, fmu, kin
             except OSError:
                 continue
             # a process has children for a moment, too, that are no workers
-            if int(fields[1]) == parent.pid and "orchestrator.slaves.isolated" in command:
+            ours = any(f"orchestrator.{m}" in command for m in ("slaves.isolated", "trust"))
+            if int(fields[1]) == parent.pid and ours:
                 found.append(int(entry.name))
         return found
 

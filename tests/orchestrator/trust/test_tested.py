@@ -44,8 +44,8 @@ class Hidden(Fmi2Slave):
 @pytest.fixture(autouse=True)
 def cache(tmp_path, monkeypatch) -> Path:
     """A cache of the test's own."""
-    monkeypatch.setattr(tested, "_place", lambda sha256: tmp_path / "cache" / sha256)
-    return tmp_path / "cache"
+    monkeypatch.setattr(tested, "user_cache_path", lambda name: tmp_path / "cache" / name)
+    return tmp_path / "cache" / "tracktrain" / "self_tests"
 
 
 def command(*arguments: str) -> Result:
@@ -122,6 +122,16 @@ def test_a_result_is_remembered_by_the_hash_of_the_file(tmp_path, cache, monkeyp
     assert self_tests(components) == first and len(asked) == 1
     self_tests(components, anew=True)
     assert len(asked) == 2
+
+
+def test_a_wrong_value_in_one_run_is_no_finding_of_the_next():
+    truck = fmu_path("truck")
+    (wrong,) = self_tests({"truck": Component(truck, {"wheelset_mass": -5.0})}).values()
+    assert any("wheelset_mass cannot be -5" in finding.text for finding in wrong.findings)
+    (right,) = self_tests({"truck": Component(truck)}).values()
+    assert right.passed == CHECKS and not any(finding.wrong for finding in right.findings)
+    (still,) = self_tests({"truck": Component(truck, {"wheelset_mass": -5.0})}).values()
+    assert still == right
 
 
 def test_the_command_passes_ours():
