@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import re
-import shutil
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 
@@ -16,27 +12,16 @@ import pytest
 from fmpy import supported_platforms
 from fmpy.validation import validate_fmu
 
-from fmus import BLOCKS
 from fmus.export import CompileError, build, compiler
 from fmus.export.compiler import TARGETS, compile_library, compiler_command, host_target, targets
 from fmus.names import NAMES
+from support.binaries import libraries
 from support.fmi3_instance import INSTANCE
 from support.functions import FUNCTIONS
-from support.hosted import HOST, Hosted, step
-from support.tools import need
 
 lief.logging.disable()
 QUICK = tuple(name for name in TARGETS if not name.startswith("windows"))
 """Cold, these take seconds; zig's first build for Windows takes a minute."""
-RUNNERS = {
-    "windows-x86_64": ("wine", ("wine", "wine64", "/usr/lib/wine/wine64"), ()),
-    "linux-aarch64": (
-        "qemu-user-static and libc6-arm64-cross",
-        ("qemu-aarch64-static", "qemu-aarch64"),
-        ("-L", "/usr/aarch64-linux-gnu"),
-    ),
-}
-"""What runs the programs of another platform here: Debian's name, its programs, arguments."""
 
 
 @pytest.fixture(
@@ -62,15 +47,6 @@ def built(request, tmp_path_factory) -> tuple[str, str, Path]:
 @pytest.fixture(scope="module")
 def fmu(built) -> Path:
     return built[2]
-
-
-def libraries(fmu: Path) -> dict[str, bytes]:
-    """The binaries of an archive, by the name of their target."""
-    block, fmi = fmu.stem.removesuffix("_fmi3"), "3.0" if fmu.stem.endswith("_fmi3") else "2.0"
-    folders = {f"binaries/{t.folder(fmi)}/{block}{t.suffix}": t.name for t in TARGETS.values()}
-    with zipfile.ZipFile(fmu) as archive:
-        names = [name for name in archive.namelist() if name.startswith("binaries/")]
-        return {folders[name]: archive.read(name) for name in names}
 
 
 def parsed(fmu: Path, start: str) -> dict[str, lief.Binary]:
@@ -212,41 +188,3 @@ def test_failed_compilation_quotes_the_compiler(tmp_path):
         compile_library([source], tmp_path / "broken.so", TARGETS["linux-aarch64"])
     assert "compiling for linux-aarch64 failed" in str(failure.value)
     assert "undeclared_name" in str(failure.value)
-
-
-def stepped(
-    fmu: Path, name: str, runner: list[str], folder: Path, environment: dict[str, str]
-) -> np.ndarray:
-    """Outputs [SI], (steps, values), of one binary in a host program for its platform."""
-    target = TARGETS[name]
-    library, host = f"{fmu.stem}{target.suffix}", f"host-{name}.exe"
-    (folder / library).write_bytes(libraries(fmu)[name])
-    zig = [sys.executable, "-m", "ziglang", "cc", "-target", target.zig, "-w"]
-    subprocess.run([*zig, HOST, "-o", folder / host], check=True)
-    hosted = Hosted(fmu, folder, name, f"./{library}")
-    step([*runner, f"./{host}"], [hosted], folder, environment)
-    return hosted.outputs()
-
-
-@pytest.fixture(scope="module")
-def foreign_environment(tmp_path_factory) -> dict[str, str]:
-    """Environment of the runners: no display, and a home for wine that is made once."""
-    own = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
-    return {**own, "WINEPREFIX": str(tmp_path_factory.mktemp("wine")), "WINEDEBUG": "-all"}
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(host_target().name != "linux-x86_64", reason="needs Linux on x86-64")
-@pytest.mark.parametrize("block", BLOCKS)
-@pytest.mark.parametrize("target", RUNNERS)
-def test_libraries_of_two_platforms_agree_bit_for_bit(
-    target, block, fmi, tmp_path, foreign_environment
-):
-    package, programs, arguments = RUNNERS[target]
-    runner = next(filter(None, map(shutil.which, programs)), None)
-    need(runner, package)
-    (fmu,) = build(tmp_path, [block], ("linux-x86_64", target), [fmi]).values()
-    here = stepped(fmu, "linux-x86_64", [], tmp_path, foreign_environment)
-    there = stepped(fmu, target, [str(runner), *arguments], tmp_path, foreign_environment)
-    assert np.all(np.isfinite(here)) and np.ptp(here, axis=0).max() > 0.0
-    np.testing.assert_array_equal(there.view(np.int64), here.view(np.int64))
