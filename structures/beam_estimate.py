@@ -10,9 +10,6 @@ from fmus.carbody.modes import BEAM_WAVE_NUMBER
 
 from .model import Array, Model, Plate
 
-GRAVITY_INCH = 386.0886
-"""Acceleration of gravity [in/s2]."""
-
 PRINTED_FACTOR = 69.0
 """The report's factor in (4-1), which is 69.95: erratum 19."""
 

@@ -7,13 +7,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 import xarray as xr
-from jinja2 import Environment, PackageLoader
 from plotly.offline import get_plotlyjs
 
 from orchestrator import Provenance, Run
@@ -24,6 +22,7 @@ from ..errors import TracktrainError
 from ..results import dataset_of
 from . import content, motion, series
 from .packing import compressed, packed
+from .rendering import rendered
 
 NAME = "report.html"
 SCRIPTS = ("data.js", "scene.js", "player.js", "plots.js", "page.js")
@@ -49,12 +48,12 @@ def page(dataset: xr.Dataset, bonds: pd.DataFrame | None = None) -> str:
         raise TracktrainError("the run has no two rows of any signal; there is nothing to report")
     index, blob, width = _data(dataset)
     table, provenance = assess(dataset), Provenance.of(dataset)
-    environment = Environment(
-        loader=PackageLoader(__name__, "page"), autoescape=True, trim_blocks=True
-    )
-    return environment.get_template("page.html").render(
+    return rendered(
+        "page.html",
+        SCRIPTS,
         title=content.title(dataset),
         attributes=dataset.attrs,
+        command=dataset.attrs.get("command"),
         facts=content.facts(dataset, table, bonds),
         parameters=content.parameters(dataset),
         fmus=content.fmus(dataset),
@@ -68,8 +67,6 @@ def page(dataset: xr.Dataset, bonds: pd.DataFrame | None = None) -> str:
         index=index,
         blob=blob,
         plotly=compressed(get_plotlyjs().encode()),
-        styles=page_text("page.css"),
-        script="\n".join(map(page_text, SCRIPTS)),
     )
 
 
@@ -89,7 +86,3 @@ def _data(dataset: xr.Dataset) -> tuple[str, str, int]:
 def as_json(known: Mapping[str, Any]) -> str:
     """JSON that can stand in a script element."""
     return json.dumps(known, separators=(",", ":")).replace("<", "\\u003c")
-
-
-def page_text(name: str) -> str:
-    return (files(__name__) / "page" / name).read_text(encoding="utf-8")

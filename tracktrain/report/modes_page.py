@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from jinja2 import Environment, PackageLoader
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from fmus.carbody.modal_data import ModalData
 
-from . import as_json, page_text
+from . import as_json
 from .packing import packed
+from .rendering import rendered
 from .sheet import parts, png
 
 Array = NDArray[Any]
@@ -73,15 +73,12 @@ def modes_page(
         "modes": [{"name": name, "said": said} for name, said in modes],
         "arrays": index,
     }
-    environment = Environment(
-        loader=PackageLoader("tracktrain.report", "page"), autoescape=True, trim_blocks=True
-    )
-    return environment.get_template("modes.html").render(
+    return rendered(
+        "modes.html",
+        SCRIPTS,
         title=title,
         notes=notes,
         index=as_json(known),
         blob=blob,
-        styles=page_text("page.css"),
-        script="\n".join(map(page_text, SCRIPTS)),
         **parts(tables, {name: png(figure) for name, figure in pictures.items()}),
     )

@@ -9,11 +9,10 @@ from io import BytesIO
 from typing import Any
 
 import pandas as pd
-from jinja2 import Environment, PackageLoader
 from matplotlib.figure import Figure
 
 from ..terminal import cell
-from . import page_text
+from .rendering import rendered
 
 
 def sheet(
@@ -24,14 +23,12 @@ def sheet(
     command: str = "",
 ) -> str:
     """The text of the page: notes, tables, pictures (PNG), each below its name."""
-    environment = Environment(
-        loader=PackageLoader("tracktrain.report", "page"), autoescape=True, trim_blocks=True
-    )
-    return environment.get_template("sheet.html").render(
+    return rendered(
+        "sheet.html",
+        (),
         title=title,
         command=command,
         notes=notes,
-        styles=page_text("page.css"),
         **parts(tables, pictures),
     )
 

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 import click
 from rich.console import Console
 
-from ...options.types import Quantity
+from ...options.span import span_options
 from ...terminal import plain_console, print_whole, printable, writable
 
 if TYPE_CHECKING:
     import pandas as pd
 
-TIME = ("s", "ms", "min")
 MOST = 24
 """Rows of what differs that are printed."""
 
@@ -35,20 +34,7 @@ Examples:
     metavar="NAME",
     help="Also compare this signal, such as carbody.front.ay. Repeatable.",
 )
-@click.option(
-    "--from",
-    "begin",
-    type=Quantity("time", "s", TIME, "2 s"),
-    metavar="TIME",
-    help="Leave out what was before this time.",
-)
-@click.option(
-    "--to",
-    "end",
-    type=Quantity("time", "s", TIME, "8 s"),
-    metavar="TIME",
-    help="Leave out what was after this time.",
-)
+@span_options
 @click.option(
     "--out",
     type=click.Path(path_type=Path, file_okay=False),

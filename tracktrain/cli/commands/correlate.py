@@ -7,10 +7,10 @@ from pathlib import Path
 import click
 from rich.console import Console
 
+from ...options.span import span_options
 from ...options.types import Name, Quantity
 from ...terminal import plain_console, print_whole, printable, writable
 
-TIME = ("s", "ms", "min")
 HERTZ = ("Hz", "1/s")
 
 
@@ -51,20 +51,7 @@ Examples:
     show_default=True,
     help="Offset of the clocks: found by cross-correlation, none, or other events altogether.",
 )
-@click.option(
-    "--from",
-    "begin",
-    type=Quantity("time", "s", TIME, "2 s"),
-    metavar="TIME",
-    help="Leave out what was before this time of each run.",
-)
-@click.option(
-    "--to",
-    "end",
-    type=Quantity("time", "s", TIME, "8 s"),
-    metavar="TIME",
-    help="Leave out what was after it.",
-)
+@span_options
 @click.option(
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
