@@ -2,8 +2,9 @@
 
     python benchmarks/hopper_car.py [rounds]
 
-8 s at 1 ms, default options, everything recorded, on one core. The last rows are the whole
-command `tracktrain run` in a fresh process, pictures included, with the FMUs built and the
+8 s at 1 ms, default options, everything recorded, on one core. The floor is the same calls of the
+FMUs as straight C (`floor.py`), in turn with ours and with the same rows. The last row is the
+whole command `tracktrain run` in a fresh process, pictures included, with the FMUs built and the
 compiled code cached.
 """
 
@@ -16,27 +17,68 @@ import tempfile
 import time
 from pathlib import Path
 
+import numpy as np
+from floor import Floor
 from rich.console import Console
 from rich.table import Table
 
-from orchestrator import simulate
+from orchestrator import Settings, simulate
+from orchestrator.masters.one_pass import OnePass
+from orchestrator.run.execution import Execution
 from tracktrain.car.hopper import hopper_car
 
+STEPS, STEP = 8000, 1e-3
 RESULT = Path(__file__).parent / "results" / "hopper_car.md"
 
 
 def stepping(master: str, rounds: int) -> tuple[str, ...]:
     system = hopper_car()
-    runs = [simulate(system, duration=8.0, master=master, measure=True) for _ in range(rounds)]
+    runs = [
+        simulate(system, duration=STEPS * STEP, master=master, measure=True) for _ in range(rounds)
+    ]
     factors = [run.statistics.real_time_factor for run in runs]
     inside = [run.statistics.time_inside_fmus or 0.0 for run in runs]
-    micro = [1e6 * run.statistics.wall_stepping / 8000 for run in runs]
+    micro = [1e6 * run.statistics.wall_stepping / STEPS for run in runs]
     return (
         f"stepping, {master}",
         f"{statistics.median(micro):.1f} us per macro step",
         f"{statistics.median(factors):.0f} x real time ({min(factors):.0f} to {max(factors):.0f})",
         f"{statistics.median(inside):.0%} inside the FMUs",
     )
+
+
+def beside_floor(rounds: int) -> tuple[str, ...]:
+    """One-pass steps of the car and of the floor in turn: seconds as ratios within a round."""
+    ours, floor = zip(*(one_round() for _ in range(rounds)), strict=True)
+    ratios = np.array(ours) / floor
+    return (
+        "stepping, the floor in plain C",
+        f"{1e6 * min(floor) / STEPS:.1f} us at best, ours {1e6 * min(ours) / STEPS:.1f} us",
+        f"ours {np.median(ratios):.2f} times the floor ({ratios.min():.2f} to {ratios.max():.2f})",
+        "",
+    )
+
+
+def one_round() -> tuple[float, float]:
+    """Seconds of our steps and of the floor's; raises SystemExit where their rows differ."""
+    system, settings = hopper_car(), Settings(duration=STEPS * STEP, step=STEP)
+    run = simulate(system, settings=settings)
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        Execution(system, OnePass(), settings) as execution,
+    ):
+        execution.initialise()
+        floor = Floor(execution.context, Path(folder))
+        execution.step()  # the first one is taken in small ones
+        ours = run.record[:, : len(execution.context.plan.columns)]
+        rows = np.ones_like(ours, order="C")
+        rows[:2] = ours[:2]
+        begin = time.perf_counter()
+        floor.run(STEP, STEP, rows)
+        spent = time.perf_counter() - begin
+    if not np.array_equal(rows, ours):
+        raise SystemExit("the floor's rows differ from ours")
+    return run.statistics.wall_stepping, spent
 
 
 def whole_command(rounds: int) -> tuple[str, ...]:
@@ -57,7 +99,12 @@ def whole_command(rounds: int) -> tuple[str, ...]:
 
 
 def main(rounds: int) -> None:
-    rows = [stepping("one-pass", rounds), stepping("jacobi", rounds), whole_command(rounds)]
+    rows = [
+        stepping("one-pass", rounds),
+        beside_floor(rounds),
+        stepping("jacobi", rounds),
+        whole_command(rounds),
+    ]
     table = Table("what", "median", "spread", "share", title="The hopper car, 8 s at 1 ms")
     for row in rows:
         table.add_row(*row)
