@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,12 +23,23 @@ FLUSH = 2.0
 """Wall time [s] after which rows are written though there is room for more."""
 
 
+class Snapshot(NamedTuple):
+    """What a recording was: its window, sums, rows that were summed up, and inputs by first row."""
+
+    first: int
+    rows: NDArray[np.float64]
+    ends: NDArray[np.float64]
+    sums: NDArray[np.float64]
+    taken: int
+    held: list[tuple[int, NDArray[np.float64]]]
+
+
 class Recording:
     """The record of a run, shape (steps + 1, columns), of which memory may hold the newest rows.
 
-    in_memory: its rows from `first` to `last`. constant: inputs that nothing
-    drives, which stand behind the columns. every: rows at its multiples are kept. memory: bound
-    of what is held [bytes]; older rows go to the sinks.
+    in_memory: its rows from `first` to `last`. constant: inputs that nothing drives, which stand
+    behind the columns, until `hold` says otherwise. every: rows at its multiples are kept. memory:
+    bound of what is held [bytes]; older rows go to the sinks.
     """
 
     def __init__(
@@ -41,7 +52,7 @@ class Recording:
         memory: float | None = None,
     ) -> None:
         self._plan, self._grid = plan, grid
-        self._constant, self._every, self._behind = constant, every, prepared.behind
+        self._held, self._every, self._behind = [(0, constant)], every, prepared.behind
         self.sinks: list[Sink] = []
         self._full: list[Sink] = []
         columns = len(plan.columns)
@@ -76,6 +87,12 @@ class Recording:
     def last(self) -> int:
         """The last row for which there is room."""
         return min(self.first + self._count, self._grid.steps + 1) - 1
+
+    def hold(self, row: int, place: int, value: float) -> None:
+        """From a row on, an input that nothing drives has another value; place: its number."""
+        values = self._held[-1][1].copy()
+        values[place] = value
+        self._held.append((row, values))
 
     def take(self, done: int, now: bool = False) -> None:
         """Rows before `done` are complete: write them where that is due, or `now`; make room.
@@ -133,6 +150,26 @@ class Recording:
         self._taken = done
         self.first = done - count
 
+    def whole(self, done: int) -> Snapshot:
+        """Everything after so many rows, none of which a sink has."""
+        last = done - self.first
+        return Snapshot(
+            self.first,
+            self.rows[:last].copy(),
+            self.ends[:last].copy(),
+            self._sums.values.copy(),
+            self._taken,
+            list(self._held),
+        )
+
+    def put_back(self, snapshot: Snapshot) -> None:
+        """Be as when a snapshot was made."""
+        count = len(snapshot.rows)
+        self.rows[:count], self.ends[: len(snapshot.ends)] = snapshot.rows, snapshot.ends
+        self._sums.values[:] = snapshot.sums
+        self.first, self._taken = snapshot.first, snapshot.taken
+        self._held = list(snapshot.held)
+
     def kept(self, first: int, last: int) -> NDArray[np.float64]:
         """Time and recorded values of those of some rows that are kept, shape (n, 1 + values)."""
         first = -(-first // self._every) * self._every
@@ -140,8 +177,10 @@ class Recording:
         if len(self._plan.recorded) < values.shape[1]:
             values = values[:, self._plan.recorded]
         times = self._grid.time(np.arange(first, last, self._every))
-        constant = np.broadcast_to(self._constant, (len(times), len(self._constant)))
-        return np.hstack([times[:, None], values, constant])
+        since = np.array([row for row, _ in self._held])
+        latest = np.searchsorted(since, np.arange(first, last, self._every), side="right") - 1
+        held = np.array([values for _, values in self._held])[latest]
+        return np.hstack([times[:, None], values, held])
 
     def _newest(self, done: int) -> slice:
         """Where those of the first `done` rows stand that a master may look at."""

@@ -87,7 +87,7 @@ class Checkpoint:
         """Put everything into the state that it had; raises CheckpointError, SlaveError."""
         for slave, state in zip(slaves, self.states, strict=True):
             slave.restore(state)
-        arrays = list(_carried(prepared))
+        arrays = list(carried(prepared))
         given = [self.arrays[f"master_{n}"] for n in range(self._count("master_"))]
         if [a.shape for a in arrays] != [g.shape for g in given]:
             raise CheckpointError("the checkpoint is of another version of the master; run anew")
@@ -135,7 +135,7 @@ class Checkpoints:
         }
         arrays: dict[str, Any] = {
             "said": np.frombuffer(json.dumps(said).encode(), np.uint8),
-            **{f"master_{n}": array for n, array in enumerate(_carried(self._prepared))},
+            **{f"master_{n}": array for n, array in enumerate(carried(self._prepared))},
             **self._recording.memory(rows),
         }
         for n, slave in enumerate(self._slaves):
@@ -231,7 +231,7 @@ def _written(master: Master) -> Any:
         ) from None
 
 
-def _carried(prepared: Prepared) -> Iterator[NDArray[Any]]:
+def carried(prepared: Prepared) -> Iterator[NDArray[Any]]:
     """What a master carries from step to step: its floating-point tables, and what it names."""
     yield from _floats(prepared.tables)
     yield from prepared.memory

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from functools import cached_property
 from pathlib import Path
@@ -28,14 +28,16 @@ from ..results.sink import Header, Sink
 from ..slaves.departure import callers, departing
 from ..slaves.session import Session
 from ..ssp.reader import system_of
-from ..system.system import System
+from ..system.system import System, Value
 from ..trust.findings import Evidence
+from .changes import Changes
 from .checkpoint import Checkpoint, Checkpoints, refuse_without_state, remove_checkpoint
 from .context import Context
 from .initial_values import settle
 from .log import Logger, listener
 from .outcome import Kind, Outcome
 from .settings import Settings, chosen
+from .snapshot import Snapshot, put_back, taken
 from .stepping import Progress, Stepper
 from .texts import Texts
 from .watch import Watch
@@ -195,6 +197,43 @@ class Execution:
         self._row = min(wanted, stepper.rows_done - 1)
         return self.outcome is None and self._row < self.context.grid.steps
 
+    def until(self, condition: Callable[[Self], object]) -> bool:
+        """Step until a condition is true of this execution; whether it is, before the end."""
+        while not condition(self):
+            if not self.step():
+                return self.outcome is None and bool(condition(self))
+        return True
+
+    def set(self, name: str, value: Value) -> None:
+        """Give an input "instance.variable" that nothing drives, or a tunable parameter, a value.
+
+        value: a number in its own unit, or text such as "3 kN*m". The FMU has it from the next
+        macro step on, and an input is recorded with it from that step's end on. Raises
+        CouplingError, SlaveError, ValueRefusedError.
+        """
+        stepper = self._ready()
+        with self.guarded():
+            for changed, own in self._changes.set(name, value).items():
+                if changed in self._open_inputs:
+                    self._recording.hold(stepper.rows_done, self._open_inputs[changed], own)
+
+    def save(self) -> Snapshot:
+        """The whole state of the run, in memory; raises CheckpointError, SlaveError."""
+        rows = self._ready().rows_done
+        with self.guarded():
+            return taken(self.context, self._recording, self._texts, rows, self._row)
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go back to a state that `save` gave, as often as wanted; raises SlaveError.
+
+        What the run recorded since then is forgotten.
+        """
+        stepper = self._ready()
+        with self.guarded():
+            put_back(snapshot, self.context, self._recording, self._texts)
+        stepper.resume(snapshot.rows)
+        self._row, self.outcome = snapshot.reached, None
+
     @property
     def time(self) -> float:
         """Time [s] of the communication point that was reached."""
@@ -213,6 +252,15 @@ class Execution:
     def _columns(self) -> dict[str, int]:
         plan = self.context.plan
         return {plan.name(i, v): n for n, (i, v) in enumerate(plan.columns)}
+
+    @cached_property
+    def _open_inputs(self) -> dict[str, int]:
+        plan = self.context.plan
+        return {plan.name(i, v): n for n, (i, v) in enumerate(plan.open_inputs)}
+
+    @cached_property
+    def _changes(self) -> Changes:
+        return Changes(self.context.plan, self.context.slaves)
 
     def residuals(self) -> list[BondResidual]:
         """Energy that the two sides of each power bond disagree about, so far."""

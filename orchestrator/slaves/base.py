@@ -178,6 +178,19 @@ class Slave(ABC):
         """Be as when `state` was asked for, also in another process; raises SlaveError."""
         raise NotImplementedError
 
+    @property
+    def goes_back(self) -> bool:
+        """Whether `remembered` and `go_back` work."""
+        return self.keeps_state
+
+    def remembered(self) -> Any:
+        """All that the instance knows, for itself alone; raises SlaveError."""
+        return self.state()
+
+    def go_back(self, remembered: Any) -> None:
+        """Be as when `remembered` was asked for; raises SlaveError."""
+        self.restore(remembered)
+
     def get_texts(self, variables: Sequence[Variable]) -> list[str]:
         """Read texts; raises SlaveError."""
         raise NotImplementedError

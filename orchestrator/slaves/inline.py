@@ -128,6 +128,18 @@ class InlineSlave(Slave):
     def close(self) -> None:
         pass
 
+    @property
+    def goes_back(self) -> bool:
+        return self._model.saves_state
+
+    def remembered(self) -> Any:
+        return self._x, dict(self._u), dict(self._p)
+
+    def go_back(self, remembered: Any) -> None:
+        self._x, inputs, parameters = remembered
+        self._u, self._p = dict(inputs), dict(parameters)
+        self._rates = {name: [0.0, 0.0] for name in self._u}
+
     def _guarded(self, function: Callable[..., None]) -> Callable[..., int]:
         def call(*arguments: Any) -> int:
             try:
