@@ -15,6 +15,7 @@ import pint
 from ..errors import ParameterError
 from ..names import NAMES
 from .block import Block
+from .spread import FIELDS, Spread, check
 from .units import REGISTRY, parse
 from .variables import Parameter
 
@@ -30,7 +31,11 @@ NO_STOP = 1e3
 
 @dataclass(frozen=True)
 class Entry:
-    """One number of a parameter file, as published."""
+    """One number of a parameter file, as published.
+
+    low, high, deviation: how far it may be off, in its unit; or `follows`: the parameter that it
+    is in proportion to. spread: why so far, or why there is nothing of it.
+    """
 
     value: float
     unit: str
@@ -38,20 +43,42 @@ class Entry:
     basis: str
     source: str
     description: str
+    low: float | None = None
+    high: float | None = None
+    deviation: float | None = None
+    follows: str = ""
+    spread: str = ""
 
     def to(self, unit: str) -> float:
         """The value in an FMI unit such as `N.m/rad`; raises pint.PintError when it is no such.
 
         A unit is always its own, also one that FMI knows by its name alone.
         """
-        if self.unit == unit:
-            return NO_STOP if math.isinf(self.value) else self.value
-        value = float(self.quantity.to(parse(unit)).magnitude)
+        value = self._in(unit, self.value)
         return NO_STOP if math.isinf(value) else value
+
+    def spread_in(self, unit: str) -> Spread | None:
+        """Range or deviation in an FMI unit; None where the number has neither of its own."""
+        if self.low is None and self.deviation is None:
+            return None
+        low, high, deviation = (
+            None if number is None else self._in(unit, number)
+            for number in (self.low, self.high, self.deviation)
+        )
+        return Spread(self.to(unit), low, high, deviation, self.spread)
+
+    def _in(self, unit: str, number: float) -> float:
+        if self.unit == unit:
+            return number
+        return float(REGISTRY.Quantity(number, self._pint).to(parse(unit)).magnitude)
 
     @property
     def quantity(self) -> pint.Quantity:
-        return REGISTRY.Quantity(self.value, "" if self.unit == "1" else self.unit)
+        return REGISTRY.Quantity(self.value, self._pint)
+
+    @property
+    def _pint(self) -> str:
+        return "" if self.unit == "1" else self.unit
 
 
 INHERITED = ("symbol", "description")
@@ -90,9 +117,23 @@ class ParameterSet:
                 )
         return {parameter.name: self._value(block, parameter) for parameter in block.parameters}
 
-    def _value(self, block: Block, parameter: Parameter) -> float:
+    def spreads(self, block: Block) -> dict[str, Spread]:
+        """Range or deviation [SI] of the parameters of a block that have one of their own."""
+        found = {p.name: self._entry_of(block, p) for p in block.parameters}
+        spreads = {p.name: e.spread_in(p.unit) for p in block.parameters if (e := found[p.name])}
+        return {name: spread for name, spread in spreads.items() if spread}
+
+    def followers(self, block: Block) -> dict[str, str]:
+        """What parameters of a block are in proportion to, by their names."""
+        found = {p.name: self._entry_of(block, p) for p in block.parameters}
+        return {name: entry.follows for name, entry in found.items() if entry and entry.follows}
+
+    def _entry_of(self, block: Block, parameter: Parameter) -> Entry | None:
         kin = (block.stands_for,) if block.stands_for else ()
-        entry = self.entry(parameter.name, block.name, *kin)
+        return self.entry(parameter.name, block.name, *kin)
+
+    def _value(self, block: Block, parameter: Parameter) -> float:
+        entry = self._entry_of(block, parameter)
         place = f"{self.path.name}: {parameter.name} of the block {block.name!r}"
         if entry is None:
             if parameter.default is None:
@@ -155,7 +196,20 @@ def load(path: Path) -> ParameterSet:
                     f"correct the name (there are {', '.join(base.entries[table])}) or add it there"
                 )
             entries[table][name] = _entry(f"{path.name}: [{table}] {name}", given, inherited)
+    _check_followers(path, entries)
     return ParameterSet(path, description, entries)
+
+
+def _check_followers(path: Path, entries: Mapping[str, Mapping[str, Entry]]) -> None:
+    """Raise ParameterError for a number that follows one which is not there, or which follows."""
+    leaders = {n for group in entries.values() for n, e in group.items() if not e.follows}
+    for table, group in entries.items():
+        for name, entry in group.items():
+            if entry.follows and entry.follows not in leaders:
+                raise ParameterError(
+                    f"{path.name}: [{table}] {name} follows {entry.follows!r}, which no table has, "
+                    "or which follows another itself; name a parameter that has its own spread"
+                )
 
 
 def _extended(path: Path, name: object) -> Path:
@@ -187,17 +241,17 @@ def _leaves(
 
 def _entry(place: str, given: Mapping[str, Any], inherited: Entry | None) -> Entry:
     """The entry with all its fields checked; the place stands in messages."""
-    needed = [field.name for field in fields(Entry)]
+    known = [field.name for field in fields(Entry)]
+    needed = [name for name in known if name not in FIELDS]
     taken = {name: getattr(inherited, name) for name in INHERITED} if inherited else {}
     merged = {**taken, **given}
     missing = [name for name in needed if merged.get(name, "") == ""]
     if missing:
         raise ParameterError(f"{place} lacks {', '.join(missing)}; add it, every entry has it")
-    unknown = sorted(set(given) - set(needed))
+    unknown = sorted(set(given) - set(known))
     if unknown:
         raise ParameterError(
-            f"{place} has the unknown field {', '.join(unknown)}; the fields are "
-            f"{', '.join(needed)}"
+            f"{place} has the unknown field {', '.join(unknown)}; the fields are {', '.join(known)}"
         )
     value = merged["value"]
     if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
@@ -208,6 +262,7 @@ def _entry(place: str, given: Mapping[str, Any], inherited: Entry | None) -> Ent
         raise ParameterError(
             f"{place}: the basis {merged['basis']!r} is not known; it is one of {', '.join(BASES)}"
         )
+    check(place, float(value), {name: given[name] for name in FIELDS if name in given})
     entry = Entry(**{**merged, "value": float(value)})
     try:
         _ = entry.quantity

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 from markdown_it import MarkdownIt
 
 from ..describe.block import Block
-from ..describe.parameters import ParameterSet
+from ..describe.parameters import Entry, ParameterSet
 from ..describe.variables import Parameter, Values, Variable
 from ..model import Model
 
@@ -104,7 +104,17 @@ def documentation(
         "Constants": _table(("name", "unit", "meaning"), [_row(v) for v in block.constants]),
         "Arrays of FMI 3.0": _arrays(block) if isinstance(block, Block) else "",
         "Parameters": _table(
-            ("name", "symbol", "start", "unit", "meaning", "basis", "source"),
+            (
+                "name",
+                "symbol",
+                "start",
+                "unit",
+                "meaning",
+                "range",
+                "basis",
+                "source",
+                "reason of the range",
+            ),
             [_parameter_row(v, parameters, start) for v in block.parameters],
         ),
         "Terminals": _terminals(block) if isinstance(block, Block) else "",
@@ -231,15 +241,26 @@ def _parameter_row(
         shown = f"{parameter.choices[int(value) - 1]} (of {', '.join(parameter.choices)})"
     entry = parameters.entry(parameter.name) if parameters else None
     basis, source = (entry.basis, entry.source) if entry else ("option", "default of the block")
+    spread, reason = _spread(entry, parameter.unit) if entry else ("", "")
     return (
         parameter.name,
         parameter.symbol,
         shown,
         parameter.unit,
         parameter.description,
+        spread,
         basis,
         source,
+        reason,
     )
+
+
+def _spread(entry: Entry, unit: str) -> tuple[str, str]:
+    """How far a number may be off, in its FMI unit, and why."""
+    if entry.follows:
+        return f"in proportion to {entry.follows}", entry.spread
+    found = entry.spread_in(unit)
+    return str(found or ""), entry.spread
 
 
 def _table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
