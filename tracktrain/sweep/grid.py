@@ -6,6 +6,7 @@ import hashlib
 import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,7 @@ from ..options.chosen import Shape
 from ..options.master import USUAL as COUPLED
 from ..terminal import Progress, unseen
 from .axes import QUANTITIES, Axis, Given, SweepError, make_axis, shaped
+from .one import run_one
 from .store import Store
 from .table import make_table, write_table
 from .workers import rows
@@ -65,7 +67,8 @@ def sweep(
             if number not in store.rows
         }
         try:
-            for number, row in rows(tasks, outputs, workers, scheduler, reuse):
+            work = partial(run_one, outputs=outputs, reuse=reuse)
+            for number, row in rows(tasks, work, workers, scheduler):
                 store.add(number, row)
                 progress(len(store.rows) / len(points))
         finally:

@@ -7,14 +7,14 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from .axes import SweepError
-from .one import Row, run_one
+from .one import Row
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -27,30 +27,32 @@ TASK, MOST = 1.0, 16
 most runs that it may be. A task's rows come together when it is done."""
 
 Tasks = Mapping[int, Mapping[str, Any]]
-"""Options of each run by its number in the grid."""
+"""Options of each run by its number."""
+
+Work = Callable[[Mapping[str, Any]], Row]
 
 
 def rows(
     tasks: Tasks,
-    outputs: Sequence[str] | None,
+    work: Work,
     workers: int | None = None,
     scheduler: str | None = None,
-    reuse: bool = True,
 ) -> Iterator[tuple[int, Row]]:
     """Each run's number and row, as they are done; raises SweepError without a scheduler.
 
+    work: what makes the row of a run's options; a function of a module, or a partial of one.
     workers: processes of this machine, one a core by default; 1 is this process itself.
     scheduler: address of a Dask scheduler, whose workers have this package, too.
     """
     count = min(workers or _cores(), len(tasks))
     if scheduler is None and count <= 1:
         for number, options in tasks.items():
-            yield number, run_one(options, outputs, reuse)
+            yield number, work(options)
         return
     with ExitStack() as stack:
         client = _client(stack, count, scheduler)
         try:
-            yield from _distributed(client, tasks, outputs, reuse)
+            yield from _distributed(client, tasks, work)
         except (CancelledError, OSError, TimeoutError) as error:
             where = f"the Dask scheduler at '{scheduler}'" if scheduler else "the local scheduler"
             raise SweepError(
@@ -104,9 +106,7 @@ def _ctrl_c_ignored() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-def _distributed(
-    client: Client, tasks: Tasks, outputs: Sequence[str] | None, reuse: bool
-) -> Iterator[tuple[int, Row]]:
+def _distributed(client: Client, tasks: Tasks, work: Work) -> Iterator[tuple[int, Row]]:
     from distributed import as_completed
 
     left = iter(tasks)
@@ -118,7 +118,7 @@ def _distributed(
         if not batch:
             return []
         runs = [dict(tasks[number]) for number in batch]
-        future = client.submit(_run_all, runs, outputs, reuse, pure=False)
+        future = client.submit(_all, work, runs, pure=False)
         numbers[future.key] = batch
         return [future]
 
@@ -143,7 +143,5 @@ def _distributed(
         done.update(submitted(list(islice(left, size))))
 
 
-def _run_all(
-    runs: Sequence[Mapping[str, Any]], outputs: Sequence[str] | None, reuse: bool
-) -> list[Row]:
-    return [run_one(options, outputs, reuse) for options in runs]
+def _all(work: Work, runs: Sequence[Mapping[str, Any]]) -> list[Row]:
+    return [work(options) for options in runs]

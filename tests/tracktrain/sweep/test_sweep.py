@@ -105,23 +105,26 @@ def test_a_run_that_fails_is_a_row_that_says_why():
 
 
 def test_a_sweep_goes_on_where_it_stopped(tmp_path, monkeypatch):
-    from tracktrain.sweep import workers
+    from tracktrain.sweep import grid
 
-    own, made = workers.run_one, []
+    own, made = grid.run_one, []
 
-    def stopping(options, *rest):
+    def stopping(options, **rest):
         if len(made) == 2:
             raise KeyboardInterrupt
-        made.append(options["seed"])
-        return own(options, *rest)
+        return going(options, **rest)
 
-    monkeypatch.setattr(workers, "run_one", stopping)
+    def going(options, **rest):
+        made.append(options["seed"])
+        return own(options, **rest)
+
+    monkeypatch.setattr(grid, "run_one", stopping)
     with pytest.raises(KeyboardInterrupt):
         sweep({"seed": "1:4"}, out=tmp_path, **SHORT)
     assert len(pd.read_csv(tmp_path / "sweep.csv")) == 2
     with (tmp_path / "rows.jsonl").open("a") as rows:
         rows.write('{"run": 2, "uni')  # what a kill may leave
-    monkeypatch.setattr(workers, "run_one", lambda o, *r: made.append(o["seed"]) or own(o, *r))
+    monkeypatch.setattr(grid, "run_one", going)
     table = sweep({"seed": "1:4"}, out=tmp_path, **SHORT)
     assert made == [1, 2, 3, 4] and bool(table["done"].all())
     whole = sweep({"seed": "1:4"}, **SHORT)
