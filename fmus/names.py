@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 CAR = ("carbody", "truck", "wheelrail", "track")
@@ -18,3 +19,9 @@ SUFFIX = {"2.0": "", "3.0": "_fmi3"}
 """What follows a block's name in the name of its FMU, by version of FMI."""
 
 FMI_VERSIONS = tuple(SUFFIX)
+
+
+def identifier(name: str, kind: str) -> str:
+    """The name as FMI allows it for a model: letters, digits and _; kind: what it is a name of."""
+    found = re.sub(r"[^A-Za-z0-9_]", "_", name)
+    return found if found[:1].isalpha() else f"{kind}_{found}"

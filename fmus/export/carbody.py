@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import re
 import tempfile
 from collections.abc import Iterable
 from pathlib import Path
@@ -15,6 +14,7 @@ from ..carbody.modal import ModalCarbody
 from ..carbody.modal_data import ModalData
 from ..carbody.modal_files import IN_FMU, as_text
 from ..catalogue import source_hash
+from ..names import identifier
 from .build import build_products
 from .product import Product
 
@@ -28,7 +28,7 @@ def build_carbody(
     CompileError, ParameterError for data that make no carbody, OSError for a place that cannot be
     written.
     """
-    product = carbody_product(data, identifier(out.stem))
+    product = carbody_product(data, identifier(out.stem, "carbody"))
     out.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=out.parent) as folder:
         (built,) = build_products(Path(folder), [product], platforms, [fmi]).values()
@@ -41,7 +41,7 @@ def carbody_fmu(data: ModalData) -> Path:
     text = source_hash() + as_text(data)
     folder = platformdirs.user_cache_path("tracktrain") / "carbodies"
     digest = hashlib.sha256(text.encode()).hexdigest()[:16]
-    out = folder / digest / f"{identifier(data.name)}.fmu"
+    out = folder / digest / f"{identifier(data.name, 'carbody')}.fmu"
     return out if out.exists() else build_carbody(data, out)
 
 
@@ -50,9 +50,3 @@ def carbody_product(data: ModalData, name: str) -> Product:
     block = ModalCarbody(data, name)
     further = {IN_FMU: as_text(data).encode()}
     return Product(block, block.given, reference(name, data), further)
-
-
-def identifier(name: str) -> str:
-    """The name as FMI allows it for a model: letters, digits and _."""
-    found = re.sub(r"[^A-Za-z0-9_]", "_", name)
-    return found if found[:1].isalpha() else f"carbody_{found}"

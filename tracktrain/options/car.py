@@ -89,14 +89,41 @@ def set_option() -> Option:
     )
 
 
-def track_option() -> Option:
-    """--track, a spectrum."""
+TRACK_FILES = (".csv", ".txt", ".dat", ".tsv", ".fmu")
+"""Files of stations, and the FMU that is made of such."""
+
+
+def is_track_file(given: str) -> bool:
+    """Whether a track is named by a file, and not by its spectrum."""
+    return Path(given).suffix.lower() in TRACK_FILES
+
+
+class TrackName(Name):
+    """A track by its name, or a file of one."""
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str:
+        return f"[{'|'.join(self.available)}|FILE]"
+
+    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        if value in self.available or is_track_file(value):
+            return value
+        self.fail(
+            f"there is no track '{value}'; {choices(value, self.available)}; or give a file of "
+            f"your own ({', '.join(TRACK_FILES)})",
+            param,
+            ctx,
+        )
+
+
+def track_option(files: bool = False) -> Option:
+    """--track, a spectrum; files: or a file of one's own."""
     return click.option(
         "--track",
-        type=Name("track", TRACKS),
+        type=TrackName("track", TRACKS) if files else Name("track", TRACKS),
         default="report",
         show_default=True,
-        help="Irregularities of the track.",
+        help="Irregularities of the track"
+        + (": a spectrum, or stations as CSV (docs/own_track.md)." if files else "."),
     )
 
 

@@ -16,6 +16,7 @@ from .car import (
     car_option,
     carbody_option,
     fmu_of,
+    is_track_file,
     seed_option,
     set_option,
     speed_option,
@@ -46,7 +47,7 @@ _OPTIONS = (
         help="Speed over time instead of --speed, as --drive has it; unless --duration is given, "
         "the run is as long as the table.",
     ),
-    track_option(),
+    track_option(files=True),
     seed_option(),
     click.option(
         "--duration",
@@ -126,8 +127,17 @@ def chosen_car(shape: Shape) -> System:
 
     from ..car import changes, hopper
 
-    system = hopper.hopper_car(shape.car, shape.speed, shape.track, shape.seed)
+    own_track = is_track_file(shape.track)
+    named = "perfect" if own_track else shape.track
+    system = hopper.hopper_car(shape.car, shape.speed, named, shape.seed)
     notes: list[str] = []
+    stations = None
+    if own_track:
+        from ..car.track import track_data, with_track
+
+        stations = track_data(shape.track)
+        system, said = with_track(system, stations)
+        notes += said
     if shape.carbody is not None:
         from ..car.carbody import with_carbody
 
@@ -154,7 +164,12 @@ def chosen_car(shape: Shape) -> System:
     for instance, name, table in shape.drives:
         system, _ = changes.driven(system, instance, name, table)
     system = replace(system, notes=tuple(notes), experiment=Experiment(0.0, stop, STEP))
-    return _timed(system, shape)
+    system = _timed(system, shape)
+    if stations is not None:
+        from ..car.track import check_length
+
+        check_length(system, stations, shape.track)
+    return system
 
 
 def chosen_file(
@@ -198,10 +213,12 @@ def refuse_options(ctx: click.Context, names: Iterable[str], reason: str) -> Non
         raise TracktrainError(f"{reason}; leave out {' and '.join(given)}")
 
 
-def refuse_second_speed(ctx: click.Context, shape: Shape) -> None:
-    """Raise TracktrainError where a speed and a table of it were given."""
+def refuse_idle_options(ctx: click.Context, shape: Shape) -> None:
+    """Raise TracktrainError for a speed beside a table of it, and a seed beside a track's file."""
     if shape.speed_profile is not None:
         refuse_options(ctx, ["speed"], f"the speed is that of '{shape.speed_profile}'")
+    if is_track_file(shape.track):
+        refuse_options(ctx, ["seed"], f"the track is that of '{shape.track}', as it stands there")
 
 
 def _port_maps(shape: Shape) -> dict[str, PortMap]:

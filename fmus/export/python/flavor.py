@@ -11,9 +11,10 @@ from ...carbody.modal_data import ModalData
 from ...carbody.modal_files import as_text
 from ...carbody.stored import BESIDE, stored
 from ...describe.block import Block
+from ...names import identifier
 from ...python.twin_model import TwinModel
 from ..accompanying import accompanying_files
-from ..carbody import carbody_product, identifier
+from ..carbody import carbody_product
 from ..dependencies import dependencies, initial_dependencies
 from ..product import Product, shipped
 from ..xml.description import OURS
@@ -36,7 +37,8 @@ def build_python(name: str, out: Path, platforms: Iterable[str] = ("host",)) -> 
 
 def build_python_carbody(data: ModalData, out: Path, platforms: Iterable[str] = ("host",)) -> Path:
     """Write the Python FMU of a carbody of modal data to the file `out` and return its path."""
-    product, module = carbody_product(data, identifier(out.stem)), stored.__module__
+    name = identifier(out.stem, "carbody")
+    product, module = carbody_product(data, name), stored.__module__
     sources = _sources(module)
     sources.files[f"fmus/carbody/{BESIDE}"] = as_text(data).encode()
     recipe = _recipe(product.block.name, sources, module, stored.__name__, product)

@@ -10,7 +10,7 @@ import click
 import orchestrator
 
 from ...errors import TracktrainError
-from ...options.chosen import Shape, chosen_car, refuse_second_speed, system_options
+from ...options.chosen import Shape, chosen_car, refuse_idle_options, system_options
 from ...options.types import Name
 
 
@@ -47,7 +47,7 @@ def command(
     if file.suffix != ".ssp":
         raise TracktrainError(f"'{file}' is no name for an archive; it must end in .ssp")
     shape = Shape.taken(options)
-    refuse_second_speed(ctx, shape)
+    refuse_idle_options(ctx, shape)
     system = chosen_car(shape)
     path = orchestrator.write_ssp(
         system, file, name=file.stem, version=standard, changes_only=changes_only

@@ -21,8 +21,8 @@ from ...options.chosen import (
     Shape,
     chosen_car,
     chosen_file,
+    refuse_idle_options,
     refuse_options,
-    refuse_second_speed,
     system_options,
 )
 from ...options.master import coupling, master_options
@@ -107,7 +107,7 @@ def command(
         start = partial(orchestrator.resume, resume)
     elif file is None:
         refuse_options(ctx, ["ssd"], "there is no file to choose a system of")
-        refuse_second_speed(ctx, shape)
+        refuse_idle_options(ctx, shape)
         system = chosen_car(shape)
     else:
         refuse_options(ctx, CAR_ONLY, f"the car is the one that '{file}' describes")

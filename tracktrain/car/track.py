@@ -1,0 +1,91 @@
+"""A track of one's own: from a file or its FMU into a car."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from fmus.export.track import track_fmu
+from fmus.track.recorded_data import IN_FMU, TrackData
+from orchestrator import Profile, System, in_unit
+
+from ..geometry.errors import GeometryError
+from ..geometry.measured import UNITS, read_track, track_of
+from ..geometry.table import read_table
+from .changes import swapped
+from .hopper import layout_of
+
+DRAWN = ("spectrum", "seed", "report_rms", "wavelength_min", "wavelength_max", "gauge_range")
+"""Parameters of a drawn track, which a recorded one has not."""
+
+START = "start"
+
+
+def track_data(path: Path | str, says: Sequence[str] = ()) -> TrackData:
+    """The track of a file, or of the FMU that was made of one; raises GeometryError.
+
+    says: `key=value`, what is to be known of a file beside its numbers.
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".fmu":
+        return read_track(path, says)
+    try:
+        with zipfile.ZipFile(path) as archive:
+            text = archive.read(IN_FMU).decode()
+    except OSError as error:
+        raise GeometryError(f"the track '{path}' cannot be read: {error.strerror}") from None
+    except (zipfile.BadZipFile, KeyError):
+        raise GeometryError(
+            f"'{path}' is no FMU of a track with its stations ({IN_FMU}); "
+            "'tracktrain track build' makes such; --swap track=FMU takes any other"
+        ) from None
+    return track_of(read_table(path.name, text, UNITS), path.stem)
+
+
+def with_track(system: System, track: TrackData | Path | str) -> tuple[System, list[str]]:
+    """The car on a track of stations, or of a file of such (.csv) or its FMU; and notes.
+
+    The FMU is built when it is first asked for. The run has to end before the track does: see
+    `check_length`. Raises GeometryError.
+    """
+    data = track if isinstance(track, TrackData) else track_data(track)
+    instance = layout_of(system).track
+    drawn = system.components[instance]
+    kept = {name: value for name, value in drawn.parameters.items() if name not in DRAWN}
+    components = {**system.components, instance: replace(drawn, parameters=kept)}
+    swap, notes = swapped(replace(system, components=components), instance, track_fmu(data))
+    said = f"track {data.name}, {data.first:.6g} to {data.last:.6g} m: {'; '.join(data.said)}"
+    return swap, [said, *notes]
+
+
+def check_length(system: System, data: TrackData, file: Path | str) -> None:
+    """Raise GeometryError for a run of the system that is longer than the track."""
+    instance = layout_of(system).track
+    component = system.components[instance]
+    start = in_unit(component.parameters.get(START, data.first), "m", START)
+    needed = _travelled(system, instance)
+    room = data.last - start
+    if needed > room + 1e-6 * data.length:
+        raise GeometryError(
+            f"the track '{file}' ends at station {data.last:.6g} m, {room:.6g} m from where the "
+            f"run starts ({start:.6g} m), and the run is {needed:.6g} m long; give a longer track, "
+            f"a shorter --duration, or an earlier --set {instance}.{START}"
+        )
+
+
+def _travelled(system: System, instance: str) -> float:
+    """How far a run goes [m]."""
+    first, last = system.experiment.start or 0.0, system.experiment.stop or 0.0
+    driver = next((c.source for c in system.connections if c.target == f"{instance}.speed"), None)
+    profile = driver and system.components[driver.partition(".")[0]].fmu
+    if isinstance(profile, Profile):
+        gain = in_unit(f"1 {profile.unit}", "m/s", "speed")
+        inner = [t for t in profile.times if first < t < last]
+        times = [first, *inner, last]
+        speeds = [profile.at(t)[0] for t in times]
+        pairs = zip(times, times[1:], speeds, speeds[1:], strict=False)
+        return gain * sum((b - a) * (v + w) / 2 for a, b, v, w in pairs)
+    speed = system.components[instance].parameters.get("speed", 0.0)
+    return in_unit(speed, "m/s", "speed") * (last - first)
