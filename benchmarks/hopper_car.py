@@ -32,7 +32,7 @@ RESULT = Path(__file__).parent / "results" / "hopper_car.md"
 
 
 def stepping(master: str, rounds: int) -> tuple[str, ...]:
-    system = hopper_car()
+    system = hopper_car(speed="60 ft/s", track="report")
     runs = [
         simulate(system, duration=STEPS * STEP, master=master, measure=True) for _ in range(rounds)
     ]
@@ -61,7 +61,10 @@ def beside_floor(rounds: int) -> tuple[str, ...]:
 
 def one_round() -> tuple[float, float]:
     """Seconds of our steps and of the floor's; raises SystemExit where their rows differ."""
-    system, settings = hopper_car(), Settings(duration=STEPS * STEP, step=STEP)
+    system, settings = (
+        hopper_car(speed="60 ft/s", track="report"),
+        Settings(duration=STEPS * STEP, step=STEP),
+    )
     run = simulate(system, settings=settings)
     with (
         tempfile.TemporaryDirectory() as folder,

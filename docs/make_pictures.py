@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from orchestrator import simulate
-from tracktrain.car.hopper import hopper_car
+from tracktrain.car.hopper import DURATION, hopper_car
 from tracktrain.plots import BLUE, INK, RED, STYLE, plot_displacement
 from tracktrain.scales import FOOT
 from tracktrain.studies.hunting_causes import hunting_causes
@@ -52,7 +52,7 @@ def _axle(dataset) -> np.ndarray:
 if __name__ == "__main__":
     PICTURES.mkdir(exist_ok=True)
     coupling().savefig(PICTURES / "coupling.png", dpi=120)
-    run = simulate(hopper_car(), duration=8.0)
+    run = simulate(hopper_car(), duration=DURATION)
     plot_displacement(run.dataset).savefig(PICTURES / "displacement.png", dpi=120)
     for name, picture in structure().pictures.items():
         if name != "transfer_functions":

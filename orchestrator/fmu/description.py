@@ -137,6 +137,7 @@ class Description:
     failure_categories: those of the standard's log categories for what goes wrong that it has.
     arrays: shapes of those that were taken apart into elements. aliases: other names of variables.
     has_events: it has the event mode of FMI 3.0. returns_early: it may end a step early.
+    optional: inputs that the FMU can do without.
     input_order: the highest derivative of an input that is taken; of a file it is 1.
     needs_tool: it runs in the tool that it is from. tolerance: that its default experiment asks
     for. reads_any_time: outputs may be read after inputs were set, without a step between;
@@ -154,6 +155,7 @@ class Description:
     needs_tool: bool = False
     serializes_state: bool = False
     tangents: tuple[Tangent, ...] = ()
+    optional: frozenset[str] = frozenset()
     units: Definitions = field(default_factory=dict)
     fmi_version: str = "2.0"
     guid: str = ""

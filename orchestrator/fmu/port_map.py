@@ -89,6 +89,7 @@ class PortMap:
             description,
             variables=mapped,
             tangents=tangents,
+            optional=frozenset(taken.get(name, name) for name in description.optional),
             arrays={
                 whole.get(name, name): shape
                 for name, shape in description.arrays.items()

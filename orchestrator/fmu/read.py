@@ -163,6 +163,7 @@ def _survey(contents: Contents, interface: str) -> Description:
         needs_tool=_is_true(said, "needsExecutionTool"),
         serializes_state=_is_true(said, "canSerializeFMUstate", "canSerializeFMUState"),
         tangents=_tangents(contents.path, contents.root, variables),
+        optional=frozenset(e.get("input") for e in _coupling(contents.root, "Optional")),
         units=definitions(model),
         fmi_version=contents.version,
         guid=model.guid or "",
@@ -324,11 +325,16 @@ def _variable(read: Any, dependencies: frozenset[str] | None, names: Mapping[int
     )
 
 
-def _tangents(path: Path, root: Any, variables: Mapping[str, Variable]) -> tuple[Tangent, ...]:
-    found = [
-        *root.findall("VendorAnnotations/Tool[@name='tracktrain']/Coupling/Tangent"),
-        *root.findall("Annotations/Annotation[@type='tracktrain']/Coupling/Tangent"),
+def _coupling(root: Any, kind: str) -> list[Any]:
+    """What the FMU says of its coupling, by the kind of the element."""
+    return [
+        *root.findall(f"VendorAnnotations/Tool[@name='tracktrain']/Coupling/{kind}"),
+        *root.findall(f"Annotations/Annotation[@type='tracktrain']/Coupling/{kind}"),
     ]
+
+
+def _tangents(path: Path, root: Any, variables: Mapping[str, Variable]) -> tuple[Tangent, ...]:
+    found = _coupling(root, "Tangent")
     tangents = tuple(Tangent(e.get("input"), e.get("output"), e.get("partial")) for e in found)
     for tangent in tangents:
         for role, causality in (("input", "input"), ("output", "output"), ("partial", "input")):

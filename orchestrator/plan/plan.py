@@ -96,7 +96,7 @@ def make_plan(
         for v in d.inputs
         if (i, v.name) not in driven and v.name not in d.partials
     ]
-    _note_open_inputs(notes, names, open_inputs, values)
+    _note_open_inputs(notes, names, descriptions, open_inputs, values)
     outputs = [(i, v) for i, d in enumerate(descriptions) for v in d.outputs if v.coupled]
     texts = [
         (i, v)
@@ -237,15 +237,20 @@ def _every(name: str, every: object) -> int:
 def _note_open_inputs(
     notes: list[str],
     names: list[str],
+    descriptions: list[Description],
     open_inputs: list[tuple[int, Variable]],
     values: list[list[tuple[Variable, Value]]],
 ) -> None:
+    """Name the inputs that keep their FMU's start, though it does not call them optional."""
+    given = [
+        {v.name for v, _ in pairs} | d.optional
+        for pairs, d in zip(values, descriptions, strict=True)
+    ]
     shown = []
     for instance, variable in open_inputs:
-        given = {v.name: value for v, value in values[instance]}
-        start = given.get(variable.name, variable.start)
-        unit = f" {variable.unit}" if variable.unit else ""
-        shown.append(f"{names[instance]}.{variable.name} = {start}{unit}")
+        if variable.name not in given[instance]:
+            unit = f" {variable.unit}" if variable.unit else ""
+            shown.append(f"{names[instance]}.{variable.name} = {variable.start}{unit}")
     if shown:
         notes.append(f"inputs that nothing drives: {', '.join(shown)}")
 

@@ -11,7 +11,7 @@ import click
 from fmus.catalogue import fmu_path
 from fmus.names import NAMES
 
-from ..car.hopper import CARS, TRACKS, instances
+from ..car.hopper import CARS, TRACK, TRACKS, instances
 from ..errors import TracktrainError, choices
 from .types import Assignment, Name, Quantity
 
@@ -34,7 +34,7 @@ def car_option(default: str = "loaded") -> Option:
 
 
 def speed_option(
-    default: str = "60 ft/s",
+    default: str = "30 mph",
     meaning: str = "Speed of the train, with its unit.",
     name: str = "--speed",
     argument: str | None = None,
@@ -43,7 +43,7 @@ def speed_option(
     return click.option(
         name,
         *([argument] if argument else []),
-        type=Quantity("speed", "m/s", SPEED_UNITS, default),
+        type=Quantity("speed", "m/s", SPEED_UNITS, "60 ft/s"),
         default=default,
         show_default=True,
         metavar="SPEED",
@@ -115,12 +115,12 @@ class TrackName(Name):
         )
 
 
-def track_option(files: bool = False) -> Option:
+def track_option(default: str = TRACK, files: bool = False) -> Option:
     """--track, a spectrum; files: or a file of one's own."""
     return click.option(
         "--track",
         type=TrackName("track", TRACKS) if files else Name("track", TRACKS),
-        default="report",
+        default=default,
         show_default=True,
         help="Irregularities of the track"
         + (": a spectrum, or stations as CSV (docs/own_track.md)." if files else "."),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from ..car.hopper import REPORT_SPEED, instances
+from ..car.hopper import DURATION, SPEED, TRACK, instances
 from ..errors import TracktrainError
 from .car import (
     car_option,
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 Assigned = tuple[str, str, str]
 
-DURATION, STEP = 8.0, 1e-3
+STEP = 1e-3
 """Of a run of the hopper car [s]."""
 
 CAR_ONLY = ("car", "speed", "speed_profile", "track", "seed", "initials", "carbody")
@@ -53,7 +53,7 @@ _OPTIONS = (
         "--duration",
         type=Quantity("duration", "s", ("s", "min", "ms"), "8s"),
         metavar="TIME",
-        help="Simulated time.  [default: 8s]",
+        help="Simulated time.  [default: 60s]",
     ),
     click.option(
         "--step",
@@ -102,9 +102,9 @@ class Shape:
     """What the options that shape a system and its run meant; times [s], speed [m/s]."""
 
     car: str = "loaded"
-    speed: float = REPORT_SPEED
+    speed: float = SPEED
     speed_profile: Path | None = None
-    track: str = "report"
+    track: str = TRACK
     seed: int = 1
     duration: float | None = None
     step: float | None = None

@@ -127,7 +127,9 @@ command = study_command(
     "stability",
     car_option(),
     friction_option(),
-    speed_option(meaning="Speed of the modes that are listed and drawn.", argument="drawn_speed"),
+    speed_option(
+        "60 ft/s", meaning="Speed of the modes that are listed and drawn.", argument="drawn_speed"
+    ),
     speeds_option(
         "--ring-down", "ring_down", (), "Also identify the growth from a run of the FMUs."
     ),

@@ -69,7 +69,7 @@ def track(track: str = "report", seed: int = 1, length: float = 2000.0) -> Outco
 
 command = study_command(
     "track",
-    track_option(),
+    track_option("report"),
     seed_option(),
     click.option(
         "--length",

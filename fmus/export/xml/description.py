@@ -84,8 +84,12 @@ def unit_definitions(units: Iterable[str]) -> Element:
 
 
 def coupling(model: Block | Model) -> Element:
-    """Which inputs are partial derivatives of which, for the master."""
+    """For the master: which inputs are partial derivatives of which, and which are optional."""
     element = Element("Coupling")
+    partials = {tangent.partial for tangent in model.tangents}
+    for port in model.inputs:
+        if port.optional and port.name not in partials:
+            SubElement(element, "Optional", input=port.name)
     for tangent in model.tangents:
         SubElement(element, "Tangent", vars(tangent))
     return element

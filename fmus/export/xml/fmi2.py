@@ -58,9 +58,9 @@ def described(
                 SubElement(files, "File", name=name)
     listed = scalars(model, start, at_start)
     definitions(root, model, listed, "SimpleType", "Enumeration")
-    if model.tangents:
+    if len(said_of_ports := coupling(model)):
         tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", name="tracktrain")
-        tool.append(coupling(model))
+        tool.append(said_of_ports)
     _variables(root, listed)
     _structure(root, model, now, at_start)
     return document(root)

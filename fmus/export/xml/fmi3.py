@@ -27,9 +27,9 @@ def model_description(block: Block, start: Values) -> str:
     definitions(root, block, listed, "EnumerationType")
     _variables(root, block, listed)
     _structure(root, block, listed)
-    if block.tangents:
+    if len(said_of_ports := coupling(block)):
         annotation = SubElement(SubElement(root, "Annotations"), "Annotation", type="tracktrain")
-        annotation.append(coupling(block))
+        annotation.append(said_of_ports)
     return document(root)
 
 

@@ -63,9 +63,11 @@ def run(*arguments: str) -> Result:
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Result]:
-    """Half a second of the default run."""
+    """Half a second of the car, at the report's lowest speed."""
     folder = tmp_path_factory.mktemp("run") / "results"
-    result = run("--duration", "0.5s", "--out", str(folder))
+    result = run(
+        "--duration", "0.5s", "--speed", "60 ft/s", "--track", "report", "--out", str(folder)
+    )
     assert result.exit_code == 0, result.output
     return folder, result
 
@@ -98,7 +100,7 @@ def test_results_hold_every_macro_step(dataset: xr.Dataset) -> None:
 
 
 def test_results_say_where_they_come_from(dataset: xr.Dataset) -> None:
-    assert dataset.attrs["command"].startswith("tracktrain run --duration 0.5s --out ")
+    assert dataset.attrs["command"].startswith("tracktrain run --duration 0.5s --speed ")
     parameters = json.loads(dataset.attrs["parameters"])
     assert parameters["carbody.body_mass"] == pytest.approx(201_000 * 0.45359237)
     for instance, block in HOPPER.blocks.items():
@@ -136,6 +138,13 @@ def test_table_shows_forces_displacements_accelerations_and_energy(
         *("energy residual", "real-time factor", "results.nc"),
     ):
         assert words in table
+
+
+def test_inputs_that_the_blocks_can_do_without_are_not_remarked(
+    finished: tuple[Path, Result],
+) -> None:
+    assert "note: " in finished[1].stdout
+    assert "nothing drives" not in finished[1].stdout
 
 
 def test_quiet_run_prints_nothing(tmp_path: Path) -> None:

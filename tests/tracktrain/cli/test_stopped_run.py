@@ -26,7 +26,7 @@ def run(*arguments: str) -> Result:
 
 def test_run_that_diverges_names_variable_and_time_and_keeps_the_rest(tmp_path: Path) -> None:
     """Held coupling at 20 ms is unstable at 5 ft/s."""
-    unstable = ("--master", "jacobi", "--step", "20ms", "--speed", "5 ft/s")
+    unstable = ("--duration", "8s", "--master", "jacobi", "--step", "20ms", "--speed", "5 ft/s")
     result = run(*unstable, "--out", str(tmp_path))
     assert result.exit_code == 1
     message = result.stderr

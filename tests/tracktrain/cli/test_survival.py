@@ -93,7 +93,8 @@ def test_full_disk_ends_the_run_with_what_fits(tmp_path: Path) -> None:
     def limit() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (2_000_000, 2_000_000))
 
-    command = [sys.executable, "-m", "tracktrain", "run", "--out", str(tmp_path)]
+    command = [sys.executable, "-m", "tracktrain", "run", "--duration", "8s"]
+    command += ["--out", str(tmp_path)]
     done = subprocess.run(command, preexec_fn=limit, capture_output=True, text=True)
     assert done.returncode == 1
     path = tmp_path / "results.nc"

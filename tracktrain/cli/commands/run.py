@@ -89,7 +89,7 @@ def command(
 ) -> None:
     """Run the 80-ton hopper car, or the system of FILE; write results.nc and pictures.
 
-    Without options: the loaded car at 60 ft/s over 8 s of the 1980 report's track. FILE is an
+    Without options: the loaded car for 60 s at 30 mph over track of FRA class 5. FILE is an
     archive or a description (.ssd) of the standard SSP; it says itself what is to be run, and
     --set, --swap, --duration and --step change that.
     """

@@ -114,7 +114,7 @@ def response(
 command = study_command(
     "response",
     car_option(),
-    track_option(),
+    track_option("report"),
     speeds_option("--speed", "speeds", REPORT_SPEEDS, "Speed of the train."),
     duration_option("8s", "Simulated time of each run."),
     click.option(
