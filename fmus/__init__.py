@@ -21,12 +21,17 @@ __all__ = ["BLOCKS", "FmusError", "ParameterError"]
 
 
 def __getattr__(name: str) -> Any:
-    """`BLOCKS`, the blocks by name; imported when first asked for, since CasADi loads slowly.
+    """`BLOCKS`, the blocks by name; imported when first asked for, since they need CasADi.
 
-    A block's folder exports its class and nothing else.
+    A block's class is the one in its `block.py` that has its name.
     """
     if name != "BLOCKS":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    packages = {block: import_module(f"{__name__}.{block}") for block in NAMES}
-    globals()[name] = {b: getattr(package, *package.__all__) for b, package in packages.items()}
+    globals()[name] = {block: _class(block) for block in NAMES}
     return globals()[name]
+
+
+def _class(block: str) -> type[Block]:
+    members = vars(import_module(f"{__name__}.{block}.block")).values()
+    (found,) = (m for m in members if isinstance(m, type) and vars(m).get("name") == block)
+    return found

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import platform
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import platformdirs
 
@@ -16,6 +18,9 @@ from .names import CAR, NAMES, SUFFIX
 PACKAGE = Path(__file__).parent
 
 STAMP = "sources.sha256"
+
+NUMBERS = "numbers.json"
+"""File beside the FMUs with what is known of the blocks' parameters without building the blocks."""
 
 
 @cache
@@ -43,6 +48,22 @@ def fmu_path(name: str, fmi: str = "2.0") -> Path:
     return path if path.exists() else _built(name, path)
 
 
+def parameters(name: str) -> dict[str, dict[str, float]]:
+    """The parameters [SI] of a shipped parameter set, by block and name; raises KeyError."""
+    return {block: {**values} for block, values in _numbers()["sets"][name].items()}
+
+
+def parameter_units(block: str) -> dict[str, str]:
+    """The unit of each parameter of a block; raises KeyError."""
+    return {**_numbers()["units"][block]}
+
+
+@cache
+def _numbers() -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((folder() / NUMBERS).read_text())
+    return found
+
+
 @cache
 def folder() -> Path:
     """Folder with the up-to-date FMUs of this machine's platform."""
@@ -59,6 +80,8 @@ def folder() -> Path:
 def build_into(place: Path, names: Iterable[str] = NAMES) -> None:
     """Build the FMUs of these blocks, and no others, into the folder; stamp it with the hash of
     the sources."""
+    from . import BLOCKS
+    from .describe.parameters import PARAMETER_SETS, parameter_set
     from .export import build
 
     stamp = place / STAMP
@@ -66,6 +89,15 @@ def build_into(place: Path, names: Iterable[str] = NAMES) -> None:
     built = set(build(place, names).values())
     for old in set(place.glob("*.fmu")) - built:  # another process may be at the same
         old.unlink(missing_ok=True)
+    blocks = [kind() for kind in BLOCKS.values()]
+    known = {
+        "units": {block.name: {p.name: p.unit for p in block.parameters} for block in blocks},
+        "sets": {
+            name: {block.name: parameter_set(name).values(block) for block in blocks}
+            for name in PARAMETER_SETS
+        },
+    }
+    (place / NUMBERS).write_text(json.dumps(known, indent=1))
     stamp.write_text(_stamp())
 
 
@@ -83,8 +115,9 @@ def _built(name: str, path: Path) -> Path:
 
 def _is_current(place: Path) -> bool:
     try:
+        files = [f"{name}{suffix}.fmu" for name in CAR for suffix in SUFFIX.values()]
         return (place / STAMP).read_text() == _stamp() and all(
-            (place / f"{name}{suffix}.fmu").exists() for name in CAR for suffix in SUFFIX.values()
+            (place / name).exists() for name in (*files, NUMBERS)
         )
     except OSError:
         return False

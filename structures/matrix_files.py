@@ -13,7 +13,7 @@ from scipy.io import mmread
 from scipy.sparse import csc_matrix, issparse
 
 from fmus.carbody.modal_table import HEADING
-from fmus.describe.units import REGISTRY
+from fmus.describe.units import registry
 
 from .assembled import Structure
 from .errors import StructureError
@@ -139,7 +139,7 @@ def read_nodes(path: Path) -> tuple[dict[int, Array], dict[str, int]]:
 
 def _length(path: Path, name: str, unit: str | None) -> float:
     try:
-        return float(REGISTRY.Quantity(1.0, unit or "").to("m").magnitude)
+        return float(registry().Quantity(1.0, unit or "").to("m").magnitude)
     except Exception as error:  # pint raises errors of many kinds for what is no unit
         raise StructureError(
             f"{path.name}: column {name} has the unit '{unit or ''}'; write a length in brackets, "

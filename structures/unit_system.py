@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pint
 
-from fmus.describe.units import REGISTRY
+from fmus.describe.units import registry
 
 from .errors import StructureError
 
@@ -57,7 +57,7 @@ def unit_system(text: str, weight: float = 1.0) -> UnitSystem:
     found: dict[str, float] = {}
     for word in (part.strip() for part in text.split(",")):
         try:
-            quantity = REGISTRY.Quantity(1.0, word)
+            quantity = registry().Quantity(1.0, word)
         except (pint.PintError, ValueError, AttributeError, TypeError) as error:
             raise StructureError(f"the units '{text}': '{word}' is no unit; {_advice()}") from error
         for kind, unit in (("length", "m"), ("force", "N"), ("time", "s")):

@@ -1,6 +1,8 @@
-"""Long curves drawn by few points."""
+"""Long curves drawn by few points, and where a curve crosses zero."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,3 +17,12 @@ def extremes(values: NDArray[np.float64], width: int) -> NDArray[np.intp]:
     bins = values[: count * width].reshape(count, width)
     ends = np.sort([bins.argmin(axis=1), bins.argmax(axis=1)], axis=0)
     return np.asarray((ends + np.arange(count) * width).T)
+
+
+def bisected(curve: Callable[[float], float], low: float, high: float) -> float:
+    """Where a curve that is negative at `low` and not at `high` crosses zero, to the last digit but
+    four."""
+    while high - low > 1e-12 * (abs(low) + abs(high)):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if curve(middle) < 0.0 else (low, middle)
+    return high

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -39,7 +40,7 @@ def dataset_of(given: xr.Dataset | Run | Path | str) -> xr.Dataset:
 def mean_speed(dataset: xr.Dataset) -> float | None:
     """Mean speed of the car in a run [m/s]; None where the run does not have it."""
     name = layout_of(dataset).speed
-    return float(dataset[name].mean()) if name in dataset else None
+    return float(np.mean(dataset[name].values)) if name in dataset else None
 
 
 def bond_table(run: Run) -> pd.DataFrame:

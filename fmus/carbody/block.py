@@ -10,11 +10,14 @@ from ..describe.block import Signals
 from ..describe.variables import Parameter
 from .equations import ModalBody
 from .ports import (
+    BEAM_WAVE_NUMBER,
     CENTRE_OF_GRAVITY,
+    ELASTIC,
     ENDS,
     FORCES,
     MASS,
     MODAL,
+    MODES,
     MOTIONS,
     RIGID,
     arrays,
@@ -37,13 +40,7 @@ __all__ = [
     "mode_shapes",
 ]
 
-ELASTIC = ("torsion", "lateral_bending", "vertical_bending")
-MODES = (*RIGID, *ELASTIC)
-"""The modes 1..8."""
-
 TITLES = tuple(mode.replace("_", " ") for mode in MODES)
-BEAM_WAVE_NUMBER = 4.730040744862704
-"""First root of cos(k) cosh(k) = 1, the free-free beam's."""
 
 
 def _elastic(mode: str, symbol: str) -> Parameter:

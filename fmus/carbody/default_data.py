@@ -9,9 +9,9 @@ from itertools import pairwise
 import numpy as np
 
 from ..describe.variables import Values
-from .block import ELASTIC
 from .modal_data import DIRECTIONS, ENDS, Body, ModalData, Mode, Point
 from .modes import beam_shape
+from .ports import ELASTIC
 
 HEIGHT, HALF_WIDTH = 2.4, 1.5
 """Of the drawn body above its centre plates, and across [m]; for the eye only."""

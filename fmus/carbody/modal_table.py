@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import pint
 
 from ..describe.parameters import Entry
+from ..describe.units import MismatchError
 from ..errors import ParameterError
 from .modal_data import DIRECTIONS, ENDS, Mode
 
@@ -154,9 +154,9 @@ def factor(place: str, given: object, unit: str) -> float:
     """What a number in the given unit is multiplied by to be in the FMI unit."""
     try:
         return Entry(1.0, str(given), "", "", "", "").to(unit)
-    except pint.DimensionalityError as error:
+    except MismatchError as error:
         raise ParameterError(
-            f"{place} is given in {given!r}, which is {error.dim1}; give it in a unit of {unit}"
+            f"{place} is given in {given!r}, which is {error.own}; give it in a unit of {unit}"
         ) from error
     except Exception as error:  # pint raises many kinds, tokenizer errors among them
         raise ParameterError(

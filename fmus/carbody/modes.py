@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
-from scipy.linalg import expm
+import scipy  # its parts load when they are used
 
 from ..describe.variables import Values
-from .block import BEAM_WAVE_NUMBER, MODES
 from .modal_data import DIRECTIONS, ENDS, ModalData
-from .ports import INPUTS, MOTIONS
+from .ports import BEAM_WAVE_NUMBER, INPUTS, MODES, MOTIONS
 
 PLATES = {"front": 1, "rear": -1}
 
@@ -47,7 +46,7 @@ class ClosedForm:
         system[n : 2 * n, 2 * n] = self.on_modes(ramp)
         system[n : 2 * n, 2 * n + 1] = self.on_modes(force)
         system[2 * n, 2 * n + 1] = 1.0
-        return (expm(system * duration) @ np.r_[state, 0.0, 1.0])[: 2 * n]
+        return (scipy.linalg.expm(system * duration) @ np.r_[state, 0.0, 1.0])[: 2 * n]
 
 
 def default_modes(values: Values) -> ClosedForm:

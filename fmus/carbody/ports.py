@@ -14,6 +14,13 @@ MODAL = "kg^(1/2).m"
 RIGID = {"lateral": "m", "vertical": "m", "roll": "rad", "yaw": "rad", "pitch": "rad"}
 """The rigid modes 1..5, with the unit of their initial value."""
 
+ELASTIC = ("torsion", "lateral_bending", "vertical_bending")
+MODES = (*RIGID, *ELASTIC)
+"""The modes 1..8 of the default carbody."""
+
+BEAM_WAVE_NUMBER = 4.730040744862704
+"""First root of cos(k) cosh(k) = 1, the free-free beam's."""
+
 ENDS = {"front": 1, "rear": -1}
 FORCES = {"force_y": "N", "force_z": "N", "moment_x": "N.m", "moment_z": "N.m"}
 MOTIONS = ("y", "z", "roll", "yaw")

@@ -8,16 +8,16 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
-from typing import Any
-
-import pint
+from typing import TYPE_CHECKING, Any
 
 from ..errors import ParameterError
 from ..names import NAMES
-from .block import Block
 from .spread import FIELDS, Spread, check
-from .units import REGISTRY, parse
+from .units import MismatchError, gain, is_known
 from .variables import Parameter
+
+if TYPE_CHECKING:
+    from .block import Block
 
 FOLDER = Path(__file__).parents[1] / "parameters"
 DEFAULT_SET = "loaded"
@@ -50,11 +50,8 @@ class Entry:
     spread: str = ""
 
     def to(self, unit: str) -> float:
-        """The value in an FMI unit such as `N.m/rad`; raises pint.PintError when it is no such.
-
-        A unit is always its own, also one that FMI knows by its name alone.
-        """
-        value = self._in(unit, self.value)
+        """The value in an FMI unit such as `N.m/rad`; raises as `units.gain`."""
+        value = gain(self.unit, unit) * self.value
         return NO_STOP if math.isinf(value) else value
 
     def spread_in(self, unit: str) -> Spread | None:
@@ -62,23 +59,10 @@ class Entry:
         if self.low is None and self.deviation is None:
             return None
         low, high, deviation = (
-            None if number is None else self._in(unit, number)
+            None if number is None else gain(self.unit, unit) * number
             for number in (self.low, self.high, self.deviation)
         )
         return Spread(self.to(unit), low, high, deviation, self.spread)
-
-    def _in(self, unit: str, number: float) -> float:
-        if self.unit == unit:
-            return number
-        return float(REGISTRY.Quantity(number, self._pint).to(parse(unit)).magnitude)
-
-    @property
-    def quantity(self) -> pint.Quantity:
-        return REGISTRY.Quantity(self.value, self._pint)
-
-    @property
-    def _pint(self) -> str:
-        return "" if self.unit == "1" else self.unit
 
 
 INHERITED = ("symbol", "description")
@@ -144,11 +128,11 @@ class ParameterSet:
             return parameter.default
         try:
             value = entry.to(parameter.unit)
-        except pint.DimensionalityError as error:
+        except MismatchError as error:
             hint = "; lb is a mass, lbf a force" if "lb" in entry.unit else ""
             raise ParameterError(
-                f"{place} is given in {entry.unit!r}, which is {error.dim1}; "
-                f"give it in a unit of {parameter.unit} {error.dim2}{hint}"
+                f"{place} is given in {entry.unit!r}, which is {error.own}; "
+                f"give it in a unit of {parameter.unit} {error.other}{hint}"
             ) from error
         low, high = parameter.minimum, parameter.maximum
         if (low is not None and value < low) or (high is not None and value > high):
@@ -264,11 +248,9 @@ def _entry(place: str, given: Mapping[str, Any], inherited: Entry | None) -> Ent
         )
     check(place, float(value), {name: given[name] for name in FIELDS if name in given})
     entry = Entry(**{**merged, "value": float(value)})
-    try:
-        _ = entry.quantity
-    except Exception as error:  # pint raises many kinds, tokenizer errors among them
+    if not is_known(entry.unit):
         raise ParameterError(
             f"{place}: the unit {entry.unit!r} is not known; write it like lbf*in/rad, kg*m**2, "
             "or 1 for a plain number"
-        ) from error
+        )
     return entry

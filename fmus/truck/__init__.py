@@ -1,5 +1,1 @@
 """The truck block: a six-mode nonlinear analog of a three-piece freight truck."""
-
-from .block import Truck
-
-__all__ = ["Truck"]

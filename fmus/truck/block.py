@@ -73,7 +73,7 @@ class Truck(ThreePieceTruck):
         }
 
     def mobility(self, p: Signals) -> Mobility:
-        mobility = ca.inv(mass_matrix(p)[PLANAR, PLANAR])  # (3)
+        mobility = ca.inv(ca.sparsify(ca.blockcat(mass_matrix(p)))[PLANAR, PLANAR])  # (3)
         length = p["half_wheelbase"]
         leading, frame = ca.vertcat(1, 2 * length, 2 * length, 0), ca.vertcat(0, 0, 1, 0)
         centre_plate = ca.vertcat(1, length, length, 1)

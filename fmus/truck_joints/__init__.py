@@ -1,5 +1,1 @@
 """The truck of joints: five rigid bodies, whose reduction to six shapes the truck block is."""
-
-from .block import TruckJoints
-
-__all__ = ["TruckJoints"]

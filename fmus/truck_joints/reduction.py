@@ -23,7 +23,8 @@ KINDS = ("stiffness", "stop_stiffness", "friction_stiffness", "friction_limit", 
 def shapes(p: Signals) -> ca.SX:
     """Phi (14, 6): the coordinates over the six. # report (4-29), erratum 12"""
     motions = body_motions(p)
-    return ca.vertcat(*(motions[coordinate][1] for coordinate in KEPT))
+    rows = [[motions[coordinate][1].get(i, 0) for i in range(6)] for coordinate in KEPT]
+    return ca.sparsify(ca.blockcat(rows))
 
 
 def coordinates_by_strain(p: Signals) -> ca.SX:

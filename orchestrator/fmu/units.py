@@ -9,6 +9,7 @@ from functools import cache
 from typing import Any
 
 from ..errors import DimensionError, MixtureError, UnitError
+from .common_units import common
 
 _NUMBER = re.compile(
     r"\s*([+-]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|nan|inf(?:inity)?))(.*)", re.I
@@ -86,7 +87,7 @@ def scale_of(unit: str, definitions: Definitions | None = None) -> Scale:
     """Scale of a unit as its file defines it, else as FMI or pint writes it; raises UnitError."""
     if definitions and unit in definitions:
         return definitions[unit].scale()
-    return _pint_scale(unit)
+    return _known_scale(unit)
 
 
 @dataclass(frozen=True)
@@ -190,7 +191,11 @@ def base_unit(unit: str, definitions: Definitions | None = None) -> BaseUnit | N
 
 
 @cache
-def _pint_scale(unit: str) -> Scale:
+def _known_scale(unit: str) -> Scale:
+    if found := common(_spelled_for_pint(unit)):
+        factor, exponents = found
+        known = zip(("[mass]", "[length]", "[time]"), exponents, strict=True)
+        return Scale(factor, 0.0, {name: float(n) for name, n in known if n})
     parsed = _parsed(unit)
     zero, one = (registry().Quantity(n, parsed).to_base_units().magnitude for n in (0.0, 1.0))
     dimension = {k: float(n) for k, n in dict(parsed.dimensionality).items()}

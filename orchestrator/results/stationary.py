@@ -6,7 +6,6 @@ too short to tell. A response is a DataArray over `time` [s] with equal steps.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from math import inf, log, nan, pi, sqrt
@@ -14,9 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 
 from .metrics import dominant_frequency, peak, rms
+from .quantiles import normal, student
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,6 +26,9 @@ BATCHES = 10
 """Batches of a run; 10 to 30 do for its interval (Schmeiser 1982, Operations Research 30, 556)."""
 
 CONFIDENCE = 0.95
+
+SIDE = (1.0 + CONFIDENCE) / 2
+"""Chance of being below the upper end of an interval of that confidence."""
 
 FEWEST = 20.0
 """Effective samples of the square below which a batch is shorter than what it must average out."""
@@ -90,7 +92,7 @@ def batch_mean(values: Array, count: int = BATCHES) -> Estimate:
     Source: Law, A. M.: Simulation Modeling and Analysis, section 9.5.3.
     """
     means = batched(values, count).mean(axis=1)
-    half = _student(count - 1) * float(means.std(ddof=1)) / sqrt(count)
+    half = student(SIDE, count - 1) * float(means.std(ddof=1)) / sqrt(count)
     mean = float(values.mean())
     return Estimate(mean, mean - half, mean + half)
 
@@ -170,7 +172,7 @@ def frequency_of(response: xr.DataArray) -> Estimate:
         dominant_frequency(response[start * length : (start + 1) * length])
         for start in range(count)
     ]
-    half = _student(count - 1) * float(np.std(parts, ddof=1))
+    half = student(SIDE, count - 1) * float(np.std(parts, ddof=1))
     return Estimate(value, max(value - half, 0.0), value + half)
 
 
@@ -185,7 +187,7 @@ def percentile_of(response: xr.DataArray, share: float) -> Estimate:
     below = (values <= value).astype(float)
     if not _enough(below):
         return Estimate(value, nan, nan)
-    half = _normal() * sqrt(share * (1.0 - share) / effective_samples(below))
+    half = normal(SIDE) * sqrt(share * (1.0 - share) / effective_samples(below))
     low = float(np.quantile(values, share - half)) if share > half else -inf
     high = float(np.quantile(values, share + half)) if share + half < 1.0 else inf
     return Estimate(value, low, high)
@@ -236,8 +238,11 @@ def _trend(square: Array, duration: float) -> tuple[float, bool]:
     if not np.all(means > 0.0):
         return 0.0, False
     places = duration * (np.arange(BATCHES) + 0.5) / BATCHES
-    line = stats.linregress(places, 0.5 * np.log(means))
-    return float(line.slope), bool(line.pvalue < SURE)
+    slope, offset = np.polyfit(places, 0.5 * np.log(means), 1)
+    rest = 0.5 * np.log(means) - slope * places - offset
+    freedom = BATCHES - 2
+    error = sqrt(float(rest @ rest) / freedom / float(np.sum((places - places.mean()) ** 2)))
+    return float(slope), bool(abs(slope) > student(1.0 - SURE / 2, freedom) * error)
 
 
 def _cycles(values: Array) -> float:
@@ -263,12 +268,3 @@ def _enough(square: Array) -> bool:
 def _square(values: Array) -> Array:
     with np.errstate(over="ignore", invalid="ignore"):  # of what blew up
         return np.asarray(np.square(values))
-
-
-def _student(freedom: int) -> float:
-    quantile: Callable[..., float] = stats.t.ppf
-    return float(quantile((1.0 + CONFIDENCE) / 2, freedom))
-
-
-def _normal() -> float:
-    return float(stats.norm.ppf((1.0 + CONFIDENCE) / 2))

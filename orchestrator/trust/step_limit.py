@@ -20,7 +20,6 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 
 import numpy as np
-from scipy.linalg import eig
 
 from ..errors import CouplingError, OrchestratorError
 from ..masters.base import Master
@@ -139,10 +138,12 @@ class _Loops:
         """Largest r of a step [s] over its limit, and the link that takes most part in it."""
         states = self._columns(lambda probe, i: self._stepped(probe, i, size))
         gains = -(self._weights[:, None] * self._around) @ states
-        values, left, right = eig(gains, left=True)
+        values, right = np.linalg.eig(gains)
         damping = np.where(np.abs(values.imag) <= values.real, values.real, 0.0)
         worst = int(np.argmax(damping))
-        share = np.abs(left[:, worst].conj() * right[:, worst])
+        mirrored, left = np.linalg.eig(gains.T)
+        same = int(np.argmin(np.abs(mirrored - values[worst])))
+        share = np.abs(left[:, same] * right[:, worst])
         # Ratios are of r to its limit; a link that is not led has no part in it.
         return float(damping[worst]), self._links[int(np.argmax(share * (self._weights > 0.0)))]
 

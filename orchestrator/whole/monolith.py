@@ -13,9 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy  # its parts load when they are used
 from numpy.typing import NDArray
-from scipy.integrate import DOP853
-from scipy.optimize import brentq
 
 from ..errors import CouplingError, OrchestratorError
 from ..fmu.given import in_unit
@@ -312,7 +311,9 @@ def _solver(
     whole: Whole, time: float, x: Array, stop: float, tolerance: float, scale: Array, size: Any
 ) -> Any:
     first = None if size is None or stop <= time else min(size, stop - time)
-    return DOP853(whole.rates, time, x, stop, rtol=tolerance, atol=scale, first_step=first)
+    return scipy.integrate.DOP853(
+        whole.rates, time, x, stop, rtol=tolerance, atol=scale, first_step=first
+    )
 
 
 def _step(solver: Any) -> None:
@@ -338,4 +339,4 @@ def _located(whole: Whole, between: Any, indicator: int, begin: float, end: floa
     if value(begin) * value(end) >= 0.0:  # it began at zero, or rounding undoes the crossing
         return end
     close = LOCATED + 4 * float(np.spacing(abs(end)))
-    return min(float(brentq(value, begin, end, xtol=close)) + 2 * close, end)
+    return min(float(scipy.optimize.brentq(value, begin, end, xtol=close)) + 2 * close, end)

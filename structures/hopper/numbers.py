@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fmus.describe.parameters import BASES
-from fmus.describe.units import REGISTRY
+from fmus.describe.units import registry
 
 from ..errors import StructureError
 from ..model import Beam, Material
@@ -181,7 +181,7 @@ def _factor(place: str, entry: Mapping[str, Any], unit: str) -> float:
     given = str(entry.get("unit", ""))
     try:
         own = "dimensionless" if given == "1" else given
-        return float(REGISTRY.Quantity(1.0, own).to(unit).magnitude)
+        return float(registry().Quantity(1.0, own).to(unit).magnitude)
     except Exception as error:  # pint raises many kinds
         raise StructureError(f"{place} has the unit {given!r}; give one of {unit}") from error
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import tolerances
-from fmus.carbody import Carbody
+from fmus.carbody.block import Carbody
 from fmus.carbody.default_data import default_data
 from fmus.carbody.modal_data import Point
 from fmus.describe.parameters import parameter_set

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from fmus.carbody import Carbody
+from fmus.carbody.block import Carbody
 from fmus.describe.parameters import parameter_set
 from structures.beam_estimate import second_moment
 from structures.elements import assembled

@@ -9,7 +9,7 @@ from math import pi
 import numpy as np
 
 from fmus.describe.twin import Twin
-from fmus.wheelrail import WheelRail
+from fmus.wheelrail.block import WheelRail
 from fmus.wheelrail.wheelset import tangent
 
 Values = Mapping[str, float]

@@ -5,24 +5,25 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf, log, pi
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from fmus.catalogue import parameter_units
 from orchestrator import Provenance
 
-from ..car.carbody import carbody_of
+from ..car.carbody import carbody_of, known_fmu
 from ..car.hopper import layout_of
 from ..car.layout import Layout
-from ..car.linear import LinearCar
+from ..car.linear_fmus import LinearFmus
+from ..car.linear_motion import LinearMotion
 from ..car.modes import critical_speeds, growing
 from ..results import mean_speed
 from ..scales import FOOT, MILE_PER_HOUR
 
 LOWEST, HIGHEST, SPEEDS = 15 * FOOT, 150 * FOOT, 28
 """Speeds that are searched for the critical one [m/s], and their number."""
-
-REPEATED = {"truck": "trucks", "wheelrail": "wheelsets"}
 
 
 @dataclass(frozen=True)
@@ -67,34 +68,35 @@ class Standing:
         return said + unknown
 
 
-def linear_of(dataset: xr.Dataset) -> tuple[LinearCar, tuple[str, ...]] | None:
+def linear_of(dataset: xr.Dataset) -> tuple[LinearMotion, tuple[str, ...]] | None:
     """The linear car of a run, and what it does not know of it.
 
-    None where the run does not have the parameters of the blocks.
+    None where the run does not have the parameters of the blocks, or the carbody's FMU is lost.
     """
-    linear, body, layout = LinearCar(), carbody_of(dataset), layout_of(dataset)
-    changes: dict[str, float] = {}
-    unknown = []
-    for block in ("truck", "wheelrail", *(() if body else ("carbody",))):
-        instances = layout.instances(block)
-        given = given_parameters(dataset, instances[0])
-        known = linear.values(block)
-        if not given.keys() & known.keys():
+    layout, data = layout_of(dataset), carbody_of(dataset)
+    given = {}
+    for instance, block in layout.blocks.items():
+        if block == "track" or (data and block == "carbody"):
+            continue
+        known = parameter_units(block)
+        given[instance] = {
+            name: value for name, value in _given(dataset, instance).items() if name in known
+        }
+        if not given[instance]:
             return None
-        changes |= {f"{block}.{name}": v for name, v in given.items() if name in known}
-        if any(_differ(dataset, given, other) for other in instances[1:]):
-            unknown.append(f"that the {REPEATED[block]} differ, and takes the first")
-    unknown += _swapped(dataset, layout)
-    return LinearCar(changes=changes, carbody=body), tuple(unknown)
+    if data is None:
+        return LinearFmus(layout, given), _swapped(dataset, layout)
+    fmu = known_fmu(dataset)
+    if fmu is None:
+        return None
+    given[layout.carbody] = {}
+    return LinearFmus(layout, given, (data, fmu)), _swapped(dataset, layout)
 
 
 def standing(dataset: xr.Dataset) -> Standing | None:
-    """Where a run stands; None where its linear car is not known.
-
-    A carbody of modal data is left out: its linear car takes seconds to build.
-    """
+    """Where a run stands; None where its linear car is not known."""
     speed = mean_speed(dataset)
-    if speed is None or speed <= 0.0 or carbody_of(dataset) is not None:
+    if speed is None or speed <= 0.0:
         return None
     found = linear_of(dataset)
     if found is None:
@@ -114,19 +116,19 @@ def standing(dataset: xr.Dataset) -> Standing | None:
 
 def given_parameters(dataset: xr.Dataset, instance: str) -> Mapping[str, float]:
     """The numbers that a run gave an instance [SI]."""
+    given = _given(dataset, instance).items()
+    return {name: value for name, value in given if isinstance(value, (int, float))}
+
+
+def _given(dataset: xr.Dataset, instance: str) -> dict[str, Any]:
     return {
         name.removeprefix(f"{instance}."): value
         for name, value in Provenance.of(dataset).parameters.items()
-        if name.startswith(f"{instance}.") and isinstance(value, (int, float))
+        if name.startswith(f"{instance}.")
     }
 
 
-def _differ(dataset: xr.Dataset, first: Mapping[str, float], other: str) -> bool:
-    own = given_parameters(dataset, other)
-    return any(own.get(n, v) != v for n, v in first.items() if not n.startswith("initial."))
-
-
-def _swapped(dataset: xr.Dataset, layout: Layout) -> list[str]:
+def _swapped(dataset: xr.Dataset, layout: Layout) -> tuple[str, ...]:
     """Instances whose FMU is another than that of most of their block."""
     fmus = Provenance.of(dataset).fmus
     found = []
@@ -134,7 +136,7 @@ def _swapped(dataset: xr.Dataset, layout: Layout) -> list[str]:
         stem = str(fmus.get(instance, {}).get("file", "")).split(".")[0]
         if block != "track" and stem and stem != block:
             found.append(f"the FMU of {instance}")
-    return found
+    return tuple(found)
 
 
 def _speed(speed: float) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +14,6 @@ from fmus.carbody.modal_files import read_modal_data, write_modal_data
 from fmus.carbody.residual import with_residual_modes
 from fmus.describe.parameters import parameter_set
 from fmus.errors import ParameterError
-from fmus.export.carbody import carbody_fmu
 from orchestrator import Provenance, System, describe
 
 from .changes import swapped
@@ -29,7 +29,7 @@ WEIGHT_TOLERANCE = 0.02
 """Part of the weight by which carbody and trucks may differ before it is said."""
 
 KNOWN = platformdirs.user_cache_path("tracktrain") / "carbodies"
-"""Modal data of the carbodies that ran here, by the SHA-256 of their FMU."""
+"""Modal data and FMUs of the carbodies that ran here, by the SHA-256 of the FMU."""
 
 
 def carbody_data(path: Path | str, car: str = "loaded") -> ModalData:
@@ -56,9 +56,11 @@ def with_carbody(
     else:
         data = carbody_data(carbody, car)
         fmu = Path(carbody) if Path(carbody).suffix.lower() == ".fmu" else None
-    path = fmu or carbody_fmu(data)
+    path = fmu or _built(data)
     KNOWN.mkdir(parents=True, exist_ok=True)
-    write_modal_data(data, KNOWN / f"{describe(path).sha256}.toml")
+    kept = KNOWN / describe(path).sha256
+    write_modal_data(data, kept.with_suffix(".toml"))
+    shutil.copyfile(path, kept.with_suffix(".fmu"))
     swap, _ = swapped(system, instance, path)
     own = replace(swap.components[instance], parameters={})
     system = replace(swap, components={**swap.components, instance: own})
@@ -67,14 +69,32 @@ def with_carbody(
     return system, [said, *_weight(system, data)]
 
 
+def _built(data: ModalData) -> Path:
+    """The FMU of modal data: to build it takes CasADi and a compiler."""
+    from fmus.export.carbody import carbody_fmu
+
+    return carbody_fmu(data)
+
+
+def known_fmu(dataset: xr.Dataset) -> Path | None:
+    """The FMU of a run's carbody, where it is made of modal data and was kept."""
+    path = _kept(dataset).with_suffix(".fmu")
+    return path if path.exists() else None
+
+
 def carbody_of(dataset: xr.Dataset) -> ModalData | None:
     """Modal data of a run's carbody; None for the default one, or where they are not known here."""
-    given = Provenance.of(dataset).fmus.get(layout_of(dataset).carbody, {})
-    path = KNOWN / f"{given.get('sha256', '')}.toml"
+    path = _kept(dataset).with_suffix(".toml")
     try:
         return read_modal_data(path) if path.exists() else None
     except ParameterError:
         return None
+
+
+def _kept(dataset: xr.Dataset) -> Path:
+    """Where its carbody is kept, without the suffix."""
+    given = Provenance.of(dataset).fmus.get(layout_of(dataset).carbody, {})
+    return KNOWN / str(given.get("sha256", "none"))
 
 
 def _weight(system: System, data: ModalData) -> list[str]:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
 from typing import TYPE_CHECKING
 
-from fmus.catalogue import fmu_path
+from fmus.catalogue import fmu_path, parameters
 from orchestrator import Component, System, Value, in_unit
 
 from ..errors import HopperError, choices
@@ -97,17 +96,7 @@ def vehicle(car: str) -> Vehicle:
 
 def parameters_of(car: str) -> dict[str, dict[str, float]]:
     """The parameters [SI] of a car of `CARS`, by block and name."""
-    return {block: {**given} for block, given in _parameters(vehicle(car).parameters).items()}
-
-
-@cache
-def _parameters(name: str) -> dict[str, dict[str, float]]:
-    """Those of a parameter set, read once: building the blocks takes its time."""
-    from fmus import BLOCKS
-    from fmus.describe.parameters import parameter_set
-
-    parameters = parameter_set(name)
-    return {block: parameters.values(kind()) for block, kind in BLOCKS.items()}
+    return parameters(vehicle(car).parameters)
 
 
 def instances() -> tuple[str, ...]:

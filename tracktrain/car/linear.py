@@ -18,7 +18,6 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 from platformdirs import user_cache_path
 
 from fmus import BLOCKS
@@ -27,15 +26,14 @@ from fmus.carbody.modal import ModalCarbody
 from fmus.carbody.modal_data import ModalData
 from fmus.catalogue import source_hash
 from fmus.describe.block import Block
-from fmus.truck.mass import mass_matrix
 from fmus.truck.ports import ELEMENTS
 
 from ..errors import HopperError, choices
+from ..scales import FOOT
 from .hopper import parameters_of, vehicle
 from .layout import Layout
+from .linear_motion import Array, LinearMotion
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 Blocks = tuple[tuple[str, Block], ...]
 Friction = tuple[tuple[str, str], ...]
 KINDS = ("stuck", "free", "damper")
@@ -49,6 +47,9 @@ FRICTION = {
 }
 """Kinds of all elements by a name. `report` has linear trucks with the bolster stuck laterally,
 with which the modes of report Figures 7-15 and 7-16 are met."""
+
+TUNED = 60 * FOOT
+"""Speed of the hunting that equivalent dampers are made for [m/s]."""
 
 LARGE = 4.0
 """Amplitude of an element without a stop that the damper of (7-7) is made for, over f/Kf."""
@@ -65,7 +66,7 @@ class Parameter:
     description: str
 
 
-class LinearCar:
+class LinearCar(LinearMotion):
     """dx/dt = A x of the hopper car on perfect track, flange open.
 
     car: one of `CARS`; changes: values [SI] instead of the set's, by "block.parameter" or
@@ -128,6 +129,10 @@ class LinearCar:
         return dict(self._values[block])
 
     @property
+    def truck(self) -> Mapping[str, float]:
+        return self._values["truck"]
+
+    @property
     def body(self) -> ModalData:
         """The carbody as modal data that can be drawn."""
         given = self.carbody
@@ -144,17 +149,6 @@ class LinearCar:
     def matrix(self, speed: float, changes: Mapping[str, float] | None = None) -> Array:
         """A at a speed [m/s], (states, states); changes: further values [SI] by parameter."""
         return np.array(_matrix(*self._form)(*self._arguments(speed, changes or {})))
-
-    def modes(self, speed: float) -> tuple[Complex, Complex]:
-        """Eigenvalues [1/s] with a positive imaginary part, and their shapes in the columns."""
-        roots, shapes = np.linalg.eig(self.matrix(speed))
-        swinging = roots.imag > 1e-6 * np.abs(roots).max() * 1e-3
-        order = np.argsort(roots.imag[swinging])
-        return roots[swinging][order], shapes[:, swinging][:, order]
-
-    def growth(self, speed: float) -> float:
-        """Largest growth rate [1/s] of any oscillation."""
-        return float(self.modes(speed)[0].real.max())
 
     def slopes(self, speed: float, root: complex) -> tuple[dict[str, complex], complex]:
         """Derivative of an eigenvalue with respect to each parameter, and to the speed.
@@ -184,26 +178,15 @@ class LinearCar:
         seed[-1] = 1.0
         return found, along(seed)
 
-    def coordinates(self, shapes: Complex) -> Complex:
-        """The rows of shapes (states, ...) that are coordinates, those of the carbody first."""
-        return shapes[[place for place, name in enumerate(self.states) if ".q[" in name]]
 
-    def energies(self, shape: Complex) -> dict[str, float]:
-        """Share of the kinetic energy of a mode in each coordinate, by "instance.q[i]"."""
-        shares: dict[str, float] = {}
-        at = {name: shape[i] for i, name in enumerate(self.states)}
-        for instance in self.layout.bodies:
-            rates = [n for n in self.states if n.startswith(f"{instance}.qd[")]
-            v = np.array([at[n] for n in rates])
-            mass = np.eye(len(v))
-            if instance != self.layout.carbody:
-                given = {name: ca.SX(value) for name, value in self._values["truck"].items()}
-                mass = np.array(ca.evalf(mass_matrix(given)))
-            moved = mass @ v
-            for name, value, own in zip(rates, v, moved, strict=True):
-                shares[name.replace(".qd[", ".q[")] = float((np.conj(value) * own).real) / 2
-        total = sum(shares.values())
-        return {name: value / total for name, value in shares.items()}
+def linear_car(
+    car: str, friction: str = "stuck", changes: Mapping[str, float] | None = None
+) -> LinearCar:
+    """The car; its dampers are made for the frequency that it hunts at. # report (7-7)"""
+    if friction != "damper":
+        return LinearCar(car, changes, friction)
+    roots, _ = LinearCar(car, changes).modes(TUNED)
+    return LinearCar(car, changes, friction, omega=float(roots[roots.real.argmax()].imag))
 
 
 def _kinds(friction: str | Mapping[str, str]) -> dict[str, str]:

@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq, linear_sum_assignment
+import scipy  # its parts load when they are used
 
+from ..curves import bisected
 from ..scales import FOOT
 from ..terminal import Progress, unseen
-from .linear import Array, Complex, LinearCar
+from .linear_motion import Array, Complex, LinearMotion
 
 SPEEDS = (20.0, 140.0)
 """Speeds between which the modes are followed [ft/s], as report Figure 7-14 and beyond."""
-
-TUNED = 60 * FOOT
-"""Speed of the hunting that equivalent dampers are made for [m/s]."""
 
 CARBODY = (
     "lateral", "bounce", "roll", "yaw", "pitch", "torsion", "lateral bending", "vertical bending",
@@ -58,17 +55,7 @@ class Critical(NamedTuple):
     mode: str
 
 
-def linear_car(
-    car: str, friction: str = "stuck", changes: Mapping[str, float] | None = None
-) -> LinearCar:
-    """The car; its dampers are made for the frequency that it hunts at. # report (7-7)"""
-    if friction != "damper":
-        return LinearCar(car, changes, friction)
-    roots, _ = LinearCar(car, changes).modes(TUNED)
-    return LinearCar(car, changes, friction, omega=float(roots[roots.real.argmax()].imag))
-
-
-def name_of(linear: LinearCar, shape: Complex) -> str:
+def name_of(linear: LinearMotion, shape: Complex) -> str:
     """A mode's name, by the coordinates that have most of its kinetic energy."""
     shares: dict[str, float] = {}
     for coordinate, share in linear.energies(shape).items():
@@ -81,14 +68,14 @@ def name_of(linear: LinearCar, shape: Complex) -> str:
     return f"{first[0]} + {second[0]}" if second[1] >= SECOND else first[0]
 
 
-def _carbody(linear: LinearCar) -> tuple[str, ...]:
+def _carbody(linear: LinearMotion) -> tuple[str, ...]:
     """Names of the carbody's coordinates: those of modal data have their modes' names."""
     if linear.carbody is None:
         return CARBODY
     return (*CARBODY[:RIGID], *(mode.name.replace("_", " ") for mode in linear.carbody.modes))
 
 
-def follow(linear: LinearCar, speeds: Array, progress: Progress = unseen) -> list[Branch]:
+def follow(linear: LinearMotion, speeds: Array, progress: Progress = unseen) -> list[Branch]:
     """The modes of all speeds [m/s], joined by likeness of shape and nearness of eigenvalue."""
     roots, shapes = linear.modes(speeds[0])
     paths = [([root], [shapes[:, i]]) for i, root in enumerate(roots)]
@@ -98,7 +85,7 @@ def follow(linear: LinearCar, speeds: Array, progress: Progress = unseen) -> lis
         before = np.array([path[0][-1] for path in paths])
         alike = np.abs(last.conj() @ shapes)
         far = np.abs(before[:, None] - roots) / np.maximum(np.abs(before[:, None]), np.abs(roots))
-        lines, columns = linear_sum_assignment(far - alike)
+        lines, columns = scipy.optimize.linear_sum_assignment(far - alike)
         for line, column in zip(lines, columns, strict=True):
             paths[line][0].append(roots[column])
             paths[line][1].append(shapes[:, column])
@@ -111,7 +98,7 @@ def follow(linear: LinearCar, speeds: Array, progress: Progress = unseen) -> lis
     ]
 
 
-def growing(linear: LinearCar, speed: float) -> Critical | None:
+def growing(linear: LinearMotion, speed: float) -> Critical | None:
     """The mode that grows fastest at a speed [m/s]; None where all decay."""
     roots, shapes = linear.modes(speed)
     most = int(roots.real.argmax())
@@ -120,7 +107,7 @@ def growing(linear: LinearCar, speed: float) -> Critical | None:
     return Critical(speed, complex(roots[most]), name_of(linear, shapes[:, most]))
 
 
-def critical_speeds(linear: LinearCar, speeds: Array) -> list[Critical]:
+def critical_speeds(linear: LinearMotion, speeds: Array) -> list[Critical]:
     """Where a mode becomes unstable, between the lowest and the highest of the speeds [m/s].
 
     A car that is unstable at the lowest speed already has its critical speed below: see `growing`.
@@ -129,7 +116,7 @@ def critical_speeds(linear: LinearCar, speeds: Array) -> list[Critical]:
     found = []
     for low, high, before, after in zip(speeds, speeds[1:], levels, levels[1:], strict=False):
         if before < 0.0 <= after:
-            speed = brentq(linear.growth, low, high, xtol=1e-9)
+            speed = bisected(linear.growth, low, high)
             roots, shapes = linear.modes(speed)
             most = int(roots.real.argmax())
             mode = name_of(linear, shapes[:, most])
@@ -137,7 +124,7 @@ def critical_speeds(linear: LinearCar, speeds: Array) -> list[Critical]:
     return found
 
 
-def without_critical_speed(linear: LinearCar, speeds: Array) -> str:
+def without_critical_speed(linear: LinearMotion, speeds: Array) -> str:
     """Why no critical speed was found between the lowest and the highest of the speeds [m/s]."""
     low, high = (f"{speed / FOOT:.0f}" for speed in (speeds[0], speeds[-1]))
     now = growing(linear, float(speeds[0]))

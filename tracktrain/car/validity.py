@@ -107,13 +107,13 @@ def _departure(dataset: xr.Dataset, limit: Limit, names: list[str]) -> Departure
     if not places:
         return None
     first = min(places, key=places.__getitem__)
-    worst = max(places, key=lambda name: float(dataset[name].max()))
+    worst = max(places, key=lambda name: float(dataset[name].to_numpy().max()))
     return Departure(
         limit,
         first,
         float(dataset.time[places[first]]),
         worst,
-        float(dataset[worst].max()),
+        float(dataset[worst].to_numpy().max()),
         str(dataset[worst].attrs.get("units", "")),
         len(places),
     )

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from math import isfinite
 from typing import TYPE_CHECKING
 
+import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
@@ -88,7 +89,7 @@ def _first(dataset: xr.Dataset) -> Mapping[str, Mapping[str, tuple[str, Scale]]]
 
 
 def _statistics(values: xr.DataArray, scale: Scale, intervals: bool) -> tuple[str, ...]:
-    moves = values.size > 2 and bool((values != values[0]).any())
+    moves = values.size > 2 and bool(np.any(values.values != values.values[0]))
     frequency = f"{dominant_frequency(values):.2f} Hz" if moves else "-"
     if not intervals:
         return scale.numbers(rms(values)), scale.numbers(peak(values)), frequency

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from fmus import BLOCKS
+from fmus.catalogue import parameter_units
 from fmus.describe.parameters import PARAMETER_SETS, Entry, parameter_set
 from orchestrator import Provenance
 
@@ -112,9 +111,3 @@ def _entry(block: str | None, name: str, value: object) -> tuple[Entry | None, b
             if np.isclose(published, value, rtol=1e-9):
                 return entry, False
     return None, known
-
-
-@cache
-def parameter_units(block: str) -> dict[str, str]:
-    """The unit of each parameter of a block."""
-    return {parameter.name: parameter.unit for parameter in BLOCKS[block]().parameters}

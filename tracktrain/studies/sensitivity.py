@@ -11,12 +11,11 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
-from ..car.linear import LinearCar, Parameter
+from ..car.linear import LinearCar, Parameter, linear_car
 from ..car.modes import (
     SPEEDS,
     Critical,
     critical_speeds,
-    linear_car,
     name_of,
     without_critical_speed,
 )

@@ -20,7 +20,7 @@ from orchestrator import System, describe, simulate
 
 from ..car.changes import changed, swapped
 from ..car.hopper import hopper_car, layout_of
-from ..car.linear import LinearCar
+from ..car.linear import LinearCar, linear_car
 from ..car.modes import (
     CARBODY,
     SPEEDS,
@@ -28,7 +28,6 @@ from ..car.modes import (
     Critical,
     critical_speeds,
     follow,
-    linear_car,
     name_of,
     without_critical_speed,
 )

@@ -28,7 +28,7 @@ def build_python(name: str, out: Path, platforms: Iterable[str] = ("host",)) -> 
 
     It holds the binaries of all the platforms: names of compiler.TARGETS, `host` or `all`.
     """
-    kind, module = BLOCKS[name], f"fmus.{name}"
+    kind, module = BLOCKS[name], f"fmus.{name}.block"
     sources = _sources(module)
     sources.add_data(FMUS / name, f"fmus/{name}", "*")
     recipe = _recipe(f"{name}_python", sources, module, kind.__name__, shipped(name))

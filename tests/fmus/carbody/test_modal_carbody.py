@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tolerances
-from fmus.carbody import Carbody
+from fmus.carbody.block import Carbody
 from fmus.carbody.default_data import default_data, outlined
 from fmus.carbody.modal import ModalCarbody
 from fmus.carbody.modal_data import ENDS, PLATE_LOADS, Point

@@ -6,9 +6,11 @@ import math
 
 import pytest
 
+import tolerances
 from fmus import BLOCKS, FmusError, ParameterError
 from fmus.describe.parameters import FOLDER, NO_STOP, PARAMETER_SETS, TABLES, load, parameter_set
-from fmus.wheelrail import WheelRail
+from fmus.describe.units import GAINS, parse, registry
+from fmus.wheelrail.block import WheelRail
 
 LBF, INCH, POUND = 4.4482216152605, 0.0254, 0.45359237
 
@@ -270,3 +272,9 @@ def test_an_error_of_the_loader_is_one_of_the_package():
 
 def test_all_sets_ship_as_files():
     assert {path.stem for path in FOLDER.glob("*.toml")} == set(PARAMETER_SETS)
+
+
+@pytest.mark.parametrize(("unit", "target"), GAINS)
+def test_gains_of_the_shipped_sets_are_what_pint_says(unit, target):
+    said = registry().Quantity(1.0, unit).to(parse(target)).magnitude
+    assert GAINS[unit, target] == pytest.approx(said, rel=tolerances.ROUNDING)

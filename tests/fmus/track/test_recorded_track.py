@@ -7,7 +7,7 @@ import pytest
 
 from fmus.describe.twin import Twin
 from fmus.errors import ParameterError
-from fmus.track import Track
+from fmus.track.block import Track
 from fmus.track.realisation import realisation
 from fmus.track.recorded import RecordedTrack
 from fmus.track.recorded_data import TrackData

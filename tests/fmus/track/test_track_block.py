@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fmus.describe.twin import Twin
-from fmus.track import Track
+from fmus.track.block import Track
 from fmus.track.realisation import realisation
 from support.track_values import L_C, L_X, track_values
 

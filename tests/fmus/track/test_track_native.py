@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fmus.export.compiler import FLAGS, CompileError, compile_library, host_target
-from fmus.track import Track
+from fmus.track.block import Track
 from support.track_values import track_values
 
 

@@ -9,8 +9,8 @@ import pytest
 
 import tolerances
 from fmus.describe.twin import Twin
-from fmus.track import Track
 from fmus.track import realisation as rails
+from fmus.track.block import Track
 from fmus.track.spectra import CHANNELS, GAUGE_RANGES, REPORT_SPECTRA, band_variance
 from support.track_values import INCH, track_values
 

@@ -10,7 +10,7 @@ import pytest
 
 import tolerances
 from fmus.truck.ports import AXLES, INPUTS
-from fmus.truck_joints import TruckJoints
+from fmus.truck_joints.block import TruckJoints
 from fmus.truck_joints.bodies import ELEMENTS, KEPT, inertias, kept_columns, strain_matrix
 from fmus.truck_joints.reduction import RIGID, analog
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import tolerances
-from fmus.wheelrail import WheelRail
-from fmus.wheelrail.block import CREEP_LAWS
+from fmus.wheelrail.block import CREEP_LAWS, WheelRail
 from support.wheelset_rig import evaluate
 
 LOADED_LAWS = CREEP_LAWS[1:]

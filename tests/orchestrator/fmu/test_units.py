@@ -6,7 +6,8 @@ import pytest
 
 import tolerances
 from orchestrator.errors import DimensionError, UnitError
-from orchestrator.fmu.units import BaseUnit, Quantity, conversion, scale_of
+from orchestrator.fmu.common_units import UNITS
+from orchestrator.fmu.units import BaseUnit, Quantity, conversion, registry, scale_of
 
 
 @pytest.mark.parametrize(
@@ -67,3 +68,10 @@ def test_quantity_converts_to_what_measures_the_same():
     assert (Quantity(1.0, "lb").dimension, Quantity(1.0).dimension) == ("[mass]", "dimensionless")
     with pytest.raises(DimensionError, match=r"36 km/h .* cannot be in kg"):
         speed.to("kg")
+
+
+@pytest.mark.parametrize("unit", [*UNITS, "lbf*in/rad", "kg*m**2/s**2", "1/s", "m**-1"])
+def test_units_that_are_met_often_are_what_pint_says(unit):
+    known, said = scale_of(unit), registry().Quantity(1.0, unit).to_base_units()
+    assert known.factor == pytest.approx(said.magnitude, rel=tolerances.ROUNDING)
+    assert dict(known.dimension) == dict(said.dimensionality)

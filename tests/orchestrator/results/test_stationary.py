@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.typing import NDArray
+from scipy import stats
 from scipy.signal import lfilter
 
+from orchestrator.results.quantiles import normal, student
 from orchestrator.results.stationary import (
     Estimate,
     State,
@@ -156,3 +158,10 @@ def test_statistics_from_beyond_the_end_are_refused() -> None:
     assert float(from_time(dataset, 40.0).time[0]) == pytest.approx(40.0)
     with pytest.raises(ValueError, match=r"from 0 to 79\.99 s"):
         from_time(dataset, 100.0)
+
+
+@pytest.mark.parametrize("freedom", [1, 2, 8, 9, 30])
+@pytest.mark.parametrize("chance", [0.9, 0.975, 0.995])
+def test_quantiles_are_those_of_the_distributions(chance, freedom):
+    assert student(chance, freedom) == pytest.approx(stats.t.ppf(chance, freedom), rel=1e-9)
+    assert normal(chance) == pytest.approx(stats.norm.ppf(chance), rel=1e-9)

@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from fmus.describe.parameters import parameter_set
-from fmus.truck import Truck
+from fmus.truck.block import Truck
 from fmus.truck.identify import PARAMETERS, identify
 from fmus.truck.ports import ELEMENTS
 from tracktrain.cli.main import main

@@ -14,7 +14,8 @@ from orchestrator import Session, dominant_frequency, simulate
 
 from ...car.changes import changed, displaced
 from ...car.hopper import hopper_car, layout_of
-from ...car.modes import critical_speeds, growing, linear_car
+from ...car.linear import linear_car
+from ...car.modes import critical_speeds, growing
 from ...options.car import speeds_option
 from ...options.types import Quantity
 from ...scales import FOOT, MILE_PER_HOUR

@@ -1,0 +1,68 @@
+"""Small motion of a car, dx/dt = A x, whatever its matrix is made of."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fmus.carbody.modal_data import ModalData
+from fmus.truck.mass import mass_matrix
+
+from .layout import Layout
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+class LinearMotion(ABC):
+    """dx/dt = A x of a car on perfect track.
+
+    states: names of x, by instance. carbody: its modal data, None for the default one. truck:
+    parameters [SI] that the trucks' masses are made of.
+    """
+
+    layout: Layout
+    states: tuple[str, ...]
+    carbody: ModalData | None
+
+    @abstractmethod
+    def matrix(self, speed: float) -> Array:
+        """A at a speed [m/s], (states, states)."""
+
+    @property
+    @abstractmethod
+    def truck(self) -> Mapping[str, float]:
+        """The trucks' parameters [SI]."""
+
+    def modes(self, speed: float) -> tuple[Complex, Complex]:
+        """Eigenvalues [1/s] with a positive imaginary part, and their shapes in the columns."""
+        roots, shapes = np.linalg.eig(self.matrix(speed))
+        swinging = roots.imag > 1e-6 * np.abs(roots).max() * 1e-3
+        order = np.argsort(roots.imag[swinging])
+        return roots[swinging][order], shapes[:, swinging][:, order]
+
+    def growth(self, speed: float) -> float:
+        """Largest growth rate [1/s] of any oscillation."""
+        roots = np.linalg.eigvals(self.matrix(speed))
+        return float(roots.real[roots.imag > 1e-6 * np.abs(roots).max() * 1e-3].max())
+
+    def coordinates(self, shapes: Complex) -> Complex:
+        """The rows of shapes (states, ...) that are coordinates, those of the carbody first."""
+        return shapes[[place for place, name in enumerate(self.states) if ".q[" in name]]
+
+    def energies(self, shape: Complex) -> dict[str, float]:
+        """Share of the kinetic energy of a mode in each coordinate, by "instance.q[i]"."""
+        shares: dict[str, float] = {}
+        at = {name: shape[i] for i, name in enumerate(self.states)}
+        for instance in self.layout.bodies:
+            rates = [n for n in self.states if n.startswith(f"{instance}.qd[")]
+            v = np.array([at[n] for n in rates])
+            own = instance == self.layout.carbody
+            moved = v if own else np.array(mass_matrix(self.truck)) @ v
+            for name, value, momentum in zip(rates, v, moved, strict=True):
+                shares[name.replace(".qd[", ".q[")] = float((np.conj(value) * momentum).real) / 2
+        total = sum(shares.values())
+        return {name: value / total for name, value in shares.items()}
