@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import TYPE_CHECKING
 
@@ -10,10 +10,11 @@ import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from orchestrator import Estimate, dominant_frequency, peak, peak_of, rms, rms_of
+from orchestrator import Estimate, dominant_frequency, peak, rms
 
 from ..car.hopper import layout_of
 from ..scales import Scale, three_digits
+from ..statistics import STATISTICS, dominant, uncertainty
 from ..terminal import print_whole
 
 if TYPE_CHECKING:
@@ -28,8 +29,8 @@ GROUPS = {
 }
 """Names of a layout's quantities, by group."""
 
-WIDE = 96
-"""Width of a terminal from which the table has room for intervals."""
+WIDE, WIDEST = 96, 120
+"""Width of a terminal from which the table has room for intervals, and for all statistics."""
 
 MOST = 12
 """Rows of a system that has none of these."""
@@ -40,17 +41,22 @@ def print_summary(console: Console, run: Run, counted: xr.Dataset) -> None:
 
     counted: the rows of the run that the statistics count.
     """
-    print_whole(console, _responses(counted, intervals=console.width >= WIDE))
+    chosen = (
+        () if console.width < WIDE else tuple(STATISTICS)[: 2 if console.width < WIDEST else None]
+    )
+    print_whole(console, _responses(counted, chosen))
     print_whole(console, _quality(run))
 
 
-def _responses(dataset: xr.Dataset, intervals: bool) -> Table:
-    statistics = ("rms", "±", "peak", "±") if intervals else ("rms", "peak")
+def _responses(dataset: xr.Dataset, chosen: Sequence[str]) -> Table:
+    """chosen: of `STATISTICS`, with intervals; else rms and peak without."""
+    headings = [h for name in chosen for h in (name, "±")] or ["rms", "peak"]
     table = Table(
         "",
         "",
-        *statistics,
+        *headings,
         "dominant\nfrequency",
+        *(["±"] if chosen else []),
         box=SIMPLE_HEAD,
         pad_edge=False,
         collapse_padding=True,
@@ -61,9 +67,7 @@ def _responses(dataset: xr.Dataset, intervals: bool) -> Table:
     for group, rows in (_known(dataset) or _first(dataset)).items():
         table.add_row(group, style="bold")
         for label, (variable, scale) in rows.items():
-            table.add_row(
-                f" {label}", scale.units, *_statistics(dataset[variable], scale, intervals)
-            )
+            table.add_row(f" {label}", scale.units, *_statistics(dataset[variable], scale, chosen))
     return table
 
 
@@ -88,20 +92,22 @@ def _first(dataset: xr.Dataset) -> Mapping[str, Mapping[str, tuple[str, Scale]]]
     return {group: {name: (name, Scale(str(dataset[name].attrs["units"]), 1.0)) for name in names}}
 
 
-def _statistics(values: xr.DataArray, scale: Scale, intervals: bool) -> tuple[str, ...]:
+def _statistics(values: xr.DataArray, scale: Scale, chosen: Sequence[str]) -> list[str]:
     moves = values.size > 2 and bool(np.any(values.values != values.values[0]))
-    frequency = f"{dominant_frequency(values):.2f} Hz" if moves else "-"
-    if not intervals:
-        return scale.numbers(rms(values)), scale.numbers(peak(values)), frequency
-    found = (rms_of(values), peak_of(values))
-    cells = [(scale.numbers(x.value), _uncertainty(x) if moves else "-") for x in found]
-    return (*cells[0], *cells[1], frequency)
+    if not chosen:
+        frequency = f"{dominant_frequency(values):.2f} Hz" if moves else "-"
+        return [scale.numbers(rms(values)), scale.numbers(peak(values)), frequency]
+    cells = []
+    for found in (STATISTICS[name](values) for name in chosen):
+        cells += [scale.numbers(found.value), _uncertainty(found) if moves else "-"]
+    found = dominant(values)
+    return [*cells, *((f"{found.value:.2f} Hz", _uncertainty(found)) if moves else ("-", "-"))]
 
 
 def _uncertainty(found: Estimate) -> str:
     """The wider side of an interval, in per cent of the value; "?" where it is not known."""
-    wider = max(found.high - found.value, found.value - found.low) / found.value
-    return f"{100.0 * wider:.0f}%" if isfinite(wider) else "?"
+    share = uncertainty(found)
+    return f"{100.0 * share:.0f}%" if isfinite(share) else "?"
 
 
 def _quality(run: Run) -> Table:

@@ -20,7 +20,7 @@ from ..errors import TracktrainError
 from ..quantities import shown_quantities
 from ..report.sheet import png, sheet
 from .differences import differences, remarks
-from .numbers import numbers
+from .numbers import numbers, unsettled
 from .pictures import signals, spectra
 from .runs import named, within
 
@@ -31,8 +31,8 @@ NAME = "comparison.html"
 class Comparison:
     """Runs by name, the signals that are compared, and what was found.
 
-    differences: what was run, a column a run. numbers: what came out, a column a run, then each
-    run's number over that of the first. notes: what to know before the numbers are read.
+    differences: what was run, a column a run. numbers: what came out, with intervals, and whether
+    it differs from the first run's by more than these. notes: what to know before they are read.
     """
 
     runs: Mapping[str, xr.Dataset]
@@ -59,9 +59,8 @@ def compare(
     whole = named(places)
     runs = {name: within(name, data, begin, end) for name, data in whole.items()}
     shown = shown_quantities(runs, asked)
-    return Comparison(
-        runs, shown, differences(whole), numbers(runs, shown), remarks(runs, shown, begin, end)
-    )
+    notes = [*remarks(runs, shown, begin, end), *unsettled(runs, shown)]
+    return Comparison(runs, shown, differences(whole), numbers(runs, shown), notes)
 
 
 def write_comparison(found: Comparison, folder: Path, command: str = "") -> list[Path]:

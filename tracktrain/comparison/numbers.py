@@ -1,50 +1,76 @@
-"""What came out, in numbers beside each other."""
+"""What came out, in numbers beside each other, and which of them differ."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from orchestrator import dominant_frequency, peak, rms
+from orchestrator import Estimate, State, settling
 
 from ..car.layout import Shown
+from ..statistics import STATISTICS, UNKNOWN, differ, dominant, uncertainty
 
-NUMBERS: Mapping[str, Callable[[xr.DataArray], float]] = {"rms": rms, "peak": peak}
 FREQUENCY = "dominant frequency [Hz]"
+
+ANSWERS = {True: "yes", False: "no", None: "?"}
+"""Whether a number differs by more than the intervals."""
 
 
 def numbers(runs: Mapping[str, xr.Dataset], shown: Sequence[Shown]) -> pd.DataFrame:
-    """Rms, peak and dominant frequency of each signal, indexed by quantity and number.
+    """Statistics and dominant frequency of each signal, indexed by quantity and number.
 
-    A column a run; then each other run's number over that of the first, as "b / a". NaN where a
-    run does not have the signal, or does not move.
+    For each run a column, and the wider side of its interval of 95 % in per cent; then each other
+    run's number over that of the first, as "b / a", and whether the two differ by more than their
+    intervals: "yes", "no", or "?" where these are not known. NaN where a run does not have the
+    signal, or does not move.
     """
-    rows: dict[tuple[str, str], list[float]] = {}
-    for quantity in shown:
-        values = [data.get(quantity.variable) for data in runs.values()]
-        unit = f" [{quantity.scale.unit}]" if quantity.scale.unit else ""
-        for name, of in NUMBERS.items():
-            rows[quantity.label, name + unit] = [
-                np.nan if v is None else of(v) * quantity.scale.factor for v in values
-            ]
-        rows[quantity.label, FREQUENCY] = [np.nan if v is None else _frequency(v) for v in values]
-    index = pd.MultiIndex.from_tuples(list(rows), names=["quantity", "number"])
-    table = pd.DataFrame(list(rows.values()), index=index, columns=list(runs), dtype=float)
+    found = {key: estimates for quantity in shown for key, estimates in _rows(runs, quantity)}
+    index = pd.MultiIndex.from_tuples(list(found), names=["quantity", "number"])
+    table = pd.DataFrame(index=index)
+    columns = dict(zip(runs, zip(*found.values(), strict=True), strict=True))
+    for name, estimates in columns.items():
+        table[name] = [e.value for e in estimates]
+        table[f"{name} ± [%]"] = [100.0 * uncertainty(e) for e in estimates]
     first, *others = runs
-    with np.errstate(divide="ignore", invalid="ignore"):
-        for name in others:
-            ratio = table[name].to_numpy() / table[first].to_numpy()
-            table[f"{name} / {first}"] = np.where(np.isfinite(ratio), ratio, np.nan)
+    for name in others:
+        pairs = list(zip(columns[first], columns[name], strict=True))
+        table[f"{name} / {first}"] = [b.value / a.value if a.value else np.nan for a, b in pairs]
+        table[f"{name} differs"] = [ANSWERS[differ(a, b)] for a, b in pairs]
     return table
 
 
-def _frequency(values: xr.DataArray) -> float:
-    moves = values.size > LEAST and float(np.ptp(values.values)) > 0.0
-    return dominant_frequency(values) if moves else np.nan
+def unsettled(runs: Mapping[str, xr.Dataset], shown: Sequence[Shown]) -> list[str]:
+    """For each run whose numbers are those of its span only, a remark."""
+    remarks = []
+    for name, data in runs.items():
+        present = (q for q in shown if q.variable in data)
+        states = {q.label: settling(data[q.variable]).state for q in present}
+        moving = {k: s for k, s in states.items() if s not in (State.SETTLED, State.STILL)}
+        if moving:
+            said = ", ".join(f"{label} {state.value}" for label, state in moving.items())
+            remarks.append(f"{name} has not settled ({said}): its numbers are those of this span")
+    return remarks
 
 
-LEAST = 3
-"""Rows of a signal, above which it has a dominant frequency."""
+def _rows(
+    runs: Mapping[str, xr.Dataset], quantity: Shown
+) -> list[tuple[tuple[str, str], list[Estimate]]]:
+    """By quantity and number, an estimate a run."""
+    values = [data.get(quantity.variable) for data in runs.values()]
+    unit = f" [{quantity.scale.unit}]" if quantity.scale.unit else ""
+    rows = [
+        (
+            (quantity.label, name + unit),
+            [_scaled(UNKNOWN if v is None else of(v), quantity.scale.factor) for v in values],
+        )
+        for name, of in STATISTICS.items()
+    ]
+    frequencies = [UNKNOWN if v is None else dominant(v) for v in values]
+    return [*rows, ((quantity.label, FREQUENCY), frequencies)]
+
+
+def _scaled(found: Estimate, factor: float) -> Estimate:
+    return Estimate(factor * found.value, factor * found.low, factor * found.high)

@@ -33,7 +33,7 @@ def data() -> ModalData:
 
 
 def test_with_the_default_cars_own_modes_a_car_runs_as_the_default(data: ModalData) -> None:
-    system = hopper_car(track="fra2")
+    system = hopper_car(speed="60 ft/s", track="fra2")
     mine, notes = with_carbody(system, data)
     runs = [simulate(s, duration=0.5, step=1e-3).dataset for s in (system, mine)]
     assert len(notes) == 1 and "3 elastic modes" in notes[0]

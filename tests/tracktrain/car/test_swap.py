@@ -14,11 +14,13 @@ from support.variants import variant
 from tracktrain.cli.main import main
 
 POSITIONS = ("y", "z", "roll", "yaw")
+REPORT = ("--speed", "60 ft/s", "--track", "report")
 MOTIONS = (*POSITIONS, "vy", "vz", "wx", "wz")
 
 
 def run(*arguments: str, out: Path, duration: str = "5ms") -> tuple[int, str]:
-    command = ["run", *arguments, "--duration", duration, "--quiet", "--out", str(out / "results")]
+    command = ["run", *REPORT, *arguments, "--duration", duration, "--quiet"]
+    command += ["--out", str(out / "results")]
     result = CliRunner().invoke(main, command)
     assert "Traceback" not in result.output
     return result.exit_code, result.output
@@ -162,7 +164,7 @@ def test_velocities_that_a_foreign_carbody_does_not_give_are_differentiated(tmp_
     swap = ["--swap", f"carbody={variant(tmp_path, 'carbody', renamed)}"]
     swap += ["--map", f"carbody={path}"]
     where = ["--duration", "0.5s", "--out", str(tmp_path / "foreign/results")]
-    result = CliRunner().invoke(main, ["run", *swap, *where])
+    result = CliRunner().invoke(main, ["run", *REPORT, *swap, *where])
     said = " ".join(result.output.split())
     assert result.exit_code == 0, said
     assert "front.vy, front.vz, front.wx, front.wz, rear.vy" in said

@@ -13,7 +13,9 @@ from click.testing import CliRunner
 from tracktrain.cli.main import main
 from tracktrain.comparison import compare, write_comparison
 from tracktrain.comparison.differences import differences
+from tracktrain.comparison.numbers import numbers
 from tracktrain.errors import TracktrainError
+from tracktrain.quantities import shown_quantities
 
 TIME = np.linspace(0.0, 10.0, 1001)
 
@@ -56,7 +58,34 @@ def test_numbers_stand_side_by_side_in_units_that_suit(tmp_path: Path) -> None:
     assert rms["a"] == pytest.approx(np.sqrt(0.5), rel=1e-3)
     assert rms["b / a"] == pytest.approx(3.0, rel=1e-3)
     frequency = found.loc[("pump.shaft.y", "dominant frequency [Hz]")]
-    assert frequency.tolist() == pytest.approx([2.0, 4.0, 2.0], rel=1e-2)
+    assert frequency[["a", "b", "b / a"]].tolist() == pytest.approx([2.0, 4.0, 2.0], rel=1e-2)
+
+
+@pytest.mark.parametrize(("factor", "answer"), [(1.02, "no"), (3.0, "yes")])
+def test_a_difference_counts_when_it_is_larger_than_the_intervals(
+    factor: float, answer: str
+) -> None:
+    """Noise of two realisations, whose rms scatters by 2 %."""
+    time = np.linspace(0.0, 20.0, 2001)
+    curves = [np.random.default_rng(n).normal(size=time.size) for n in (1, 2)]
+    runs = {
+        name: xr.Dataset({"y": ("time", curve, {"units": "m"})}, {"time": time})
+        for name, curve in zip("ab", (curves[0], factor * curves[1]), strict=True)
+    }
+    found = numbers(runs, shown_quantities(runs)).iloc[:1]
+    assert found["b differs"].tolist() == [answer]
+    assert 0.5 < float(found["a ± [%]"].iloc[0]) < 10.0
+
+
+def test_a_run_that_still_grows_is_said_and_its_numbers_are_its_own_span(tmp_path: Path) -> None:
+    first, second = run(tmp_path / "a", 0.001), run(tmp_path / "b", 0.001)
+    data = xr.load_dataset(second / "results.nc")
+    data["pump.shaft.y"] = data["pump.shaft.y"] * np.exp(0.4 * data["time"])
+    data["pump.shaft.y"].attrs["units"] = "m"
+    data.to_netcdf(second / "results.nc", engine="netcdf4")
+    notes = compare([first, second]).notes
+    assert any(n.startswith("b has not settled (pump.shaft.y growing)") for n in notes)
+    assert not any(n.startswith("a has not settled") for n in notes)
 
 
 def test_spans_that_differ_are_said_and_can_be_made_alike(tmp_path: Path) -> None:

@@ -1,0 +1,58 @@
+"""The statistics that runs are told by, each with its interval, and whether two of them differ."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import hypot, isnan, nan
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from orchestrator import Estimate, frequency_of, peak_of, percentile_of, rms_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+LEVEL = 0.95
+"""Share of the time in which a response stays below its level."""
+
+
+def level_of(response: xr.DataArray) -> Estimate:
+    """The absolute value that is not exceeded for `LEVEL` of the time."""
+    return percentile_of(abs(response), LEVEL)
+
+
+STATISTICS: Mapping[str, Callable[[xr.DataArray], Estimate]] = {
+    "rms": rms_of,
+    "peak": peak_of,
+    f"{100 * LEVEL:.0f} %": level_of,
+}
+"""By what tables call them; in the unit of the response."""
+
+LEAST = 3
+"""Rows of a response, above which it has a dominant frequency."""
+
+UNKNOWN = Estimate(nan, nan, nan)
+
+
+def dominant(response: xr.DataArray) -> Estimate:
+    """The dominant frequency [Hz]; unknown for what is short or does not move."""
+    moves = response.size > LEAST and bool(np.any(response.values != response.values[0]))
+    return frequency_of(response) if moves else UNKNOWN
+
+
+def uncertainty(found: Estimate) -> float:
+    """The wider side of an interval, as a share of the value; NaN where it is not known."""
+    wider = max(found.high - found.value, found.value - found.low)
+    return wider / abs(found.value) if found.value else nan
+
+
+def differ(one: Estimate, other: Estimate) -> bool | None:
+    """Whether zero is outside the interval of the difference; None where that is not known.
+
+    Source: Zou, G. Y.; Donner, A.: Construction of confidence limits about effect measures,
+    Statistics in Medicine 27 (2008) 1693.
+    """
+    low, high = sorted((one, other), key=lambda estimate: estimate.value)
+    reach = hypot(low.high - low.value, high.value - high.low)
+    return None if isnan(reach) else high.value - low.value > reach
