@@ -121,6 +121,12 @@ def open_fmu(path: Path) -> Contents:
     """Open an FMU of any version, for whatever machine; raises FmuError for what is no FMU."""
     path = Path(path)
     check_file(path, "FMU")
+    stamp = path.stat()
+    return _contents(path, path.resolve(), stamp.st_mtime_ns, stamp.st_size)
+
+
+@lru_cache(maxsize=16)
+def _contents(path: Path, _place: Path, _modified: int, _size: int) -> Contents:
     if not zipfile.is_zipfile(path):
         raise FmuError(f"'{path}' is no FMU: it is not a zip archive")
     with open_archive(path) as archive:

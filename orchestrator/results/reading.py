@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
+import pandas as pd
 import xarray as xr
+from xarray.core import indexing
 
 from ..errors import DamageError, ResultsError
 from . import checksums
 from .classic import ClassicHeader, HeaderError, has_seal
+from .columns import Column, Rows
 from .netcdf import NAME, RUN, STOPPED, UNFINISHED
 
-_BLOCK = 2**23  # bytes
+_BLOCK = 2**20  # bytes
 
 ADVICE = "take a copy that is whole, or run it again"
 
@@ -27,11 +31,38 @@ def open_results(place: Path | str, *, cache: bool = True) -> xr.Dataset:
     path = Path(place)
     path = path / NAME if path.is_dir() else path
     check_rows(path)
+    return opened(path, cache=cache)
+
+
+def opened(path: Path, *, cache: bool = True) -> xr.Dataset:
+    """The same for a file whose rows need no check; raises ResultsError."""
     try:
-        dataset = xr.open_dataset(path, engine="netcdf4", cache=cache)
+        stream = path.open("rb")  # what was opened is read, whatever takes its place
+        with suppress(HeaderError):
+            return _own(path, stream, cache)
+        stream.close()
+        return xr.open_dataset(path, engine="netcdf4", cache=cache)
     except (OSError, ValueError) as error:
         raise ResultsError(f"'{path}' cannot be read: {error}") from None
-    return dataset.drop_vars(checksums.NAME, errors="ignore")
+
+
+def _own(path: Path, stream: BinaryIO, cache: bool) -> xr.Dataset:
+    header = ClassicHeader.read(stream)
+    rows = Rows(stream, header)
+    variables = {}
+    for number, (name, said) in enumerate(header.variables.items()):
+        data = indexing.LazilyIndexedArray(Column(rows, number))
+        kept = indexing.MemoryCachedArray(data) if cache else data
+        variables[name] = xr.Variable(("time",), kept, said)
+    variables.pop(checksums.NAME, None)
+    time = variables.pop("time")
+    # An index of its own kind: of an array xarray asks every array package that is installed.
+    time = xr.Variable(("time",), pd.Index(time.values), time.attrs)
+    attributes = {name: text for name, text in header.attributes.items() if name != "coordinates"}
+    dataset = xr.Dataset(variables, {"time": time}, attributes)
+    dataset.set_close(stream.close)
+    dataset.encoding["source"] = str(path)
+    return dataset
 
 
 def run_of(path: Path) -> str | None:

@@ -21,7 +21,7 @@ from . import csv_table
 from .energy import BondResidual
 from .folder import owned
 from .netcdf import NAME, RUN, STOPPED, ResultsFile, described
-from .reading import open_results, run_of
+from .reading import opened, run_of
 from .sink import Header, Sink
 
 BLOCK = 4096
@@ -98,7 +98,7 @@ class Run:
     def dataset(self) -> xr.Dataset:
         """One variable for each "instance.variable" over `time` [s], with units and provenance."""
         if self.path is not None and run_of(self.path) == self.attributes.get(RUN):
-            return open_results(self.path)
+            return opened(self.path)
         # By variable, so that each is one piece of memory.
         values = np.ascontiguousarray(self.record.T, np.float64)
         variables = {

@@ -133,7 +133,7 @@ def effective_samples(values: Array) -> float:
 
 def rms_of(response: xr.DataArray) -> Estimate:
     """Root mean square about zero, by batch means of the square."""
-    square = _square(response.to_numpy())
+    square = _square(response.values)
     if not _enough(square):
         return Estimate(rms(response), nan, nan)
     mean = batch_mean(square)
@@ -147,7 +147,7 @@ def peak_of(response: xr.DataArray) -> Estimate:
     n batches lies ln n times the scale higher. Source: Coles, S.: An Introduction to Statistical
     Modeling of Extreme Values (2001), chapter 3.
     """
-    values, highest = np.abs(response.to_numpy()), peak(response)
+    values, highest = np.abs(response.values), peak(response)
     if not _enough(_square(values)):
         return Estimate(highest, nan, nan)
     peaks = batched(values).max(axis=1)
@@ -166,7 +166,7 @@ def frequency_of(response: xr.DataArray) -> Estimate:
     """
     value, count = dominant_frequency(response), BATCHES // 2
     length = response.size // count
-    if not _enough(_square(response.to_numpy())):
+    if not _enough(_square(response.values)):
         return Estimate(value, nan, nan)
     parts = [
         dominant_frequency(response[start * length : (start + 1) * length])
@@ -182,7 +182,7 @@ def percentile_of(response: xr.DataArray, share: float) -> Estimate:
     The interval is that of order statistics, with the effective samples of "does not exceed it".
     Source: Conover, W. J.: Practical Nonparametric Statistics, section 3.2.
     """
-    values = response.to_numpy()
+    values = response.values
     value = float(np.quantile(values, share))
     below = (values <= value).astype(float)
     if not _enough(below):
@@ -199,7 +199,7 @@ def settling(response: xr.DataArray) -> Settling:
     A trend is that of the logarithm of the batches' rms over time, where Student's test of the
     slope finds it (1 %), and where it changes the rms by a quarter or more.
     """
-    time, values = response["time"].to_numpy(), response.to_numpy()
+    time, values = response["time"].values, response.values
     duration = float(time[-1] - time[0]) if time.size else 0.0
     if values.size and not np.all(np.isfinite(_square(_square(values)))):
         return Settling(State.BURST, inf, inf, 0.0, 0.0, nan)

@@ -59,6 +59,8 @@ def counted(dataset: xr.Dataset, start: float | None, settle: bool) -> xr.Datase
     start: their first time [s]. settle: leave out the transient, found by MSER-5. Raises ValueError
     where next to nothing is left.
     """
+    if start is None and not settle:
+        return dataset
     counted_from = float(dataset["time"][0])
     if settle:
         counted_from += max((s.transient for s in moving(dataset).values()), default=0.0)

@@ -102,18 +102,18 @@ def _outputs(dataset: xr.Dataset, limit: Limit, instances: tuple[str, ...]) -> I
 
 
 def _departure(dataset: xr.Dataset, limit: Limit, names: list[str]) -> Departure | None:
-    beyond = {name: dataset[name].to_numpy() > limit.largest for name in names}
+    beyond = {name: dataset[name].values > limit.largest for name in names}
     places = {name: int(where.argmax()) for name, where in beyond.items() if where.any()}
     if not places:
         return None
     first = min(places, key=places.__getitem__)
-    worst = max(places, key=lambda name: float(dataset[name].to_numpy().max()))
+    worst = max(places, key=lambda name: float(dataset[name].values.max()))
     return Departure(
         limit,
         first,
         float(dataset.time[places[first]]),
         worst,
-        float(dataset[worst].to_numpy().max()),
+        float(dataset[worst].values.max()),
         str(dataset[worst].attrs.get("units", "")),
         len(places),
     )

@@ -1,0 +1,80 @@
+"""The columns of results.nc, which has rows: each is read when it is asked for.
+
+NetCDF's own library reads a variable of such a file by a seek for every row. Here a file of some
+size is read whole, once, and one that is larger is read in blocks for every column.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from typing import BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+from xarray.backends import BackendArray
+from xarray.core import indexing
+
+from .classic import ClassicHeader
+
+WHOLE = 2**28
+"""Bytes of rows up to which all columns are kept."""
+
+BLOCK = 2**20
+"""Bytes that are read at a time."""
+
+Array = NDArray[np.float64]
+
+
+class Rows:
+    """The rows of an open file."""
+
+    def __init__(self, stream: BinaryIO, header: ClassicHeader) -> None:
+        self._stream, self._first = stream, header.first_row
+        self.count, self.width = header.rows, header.width
+
+    def column(self, number: int, first: int, last: int) -> Array:
+        """The values of a variable from a row to the one before the last, by its number."""
+        if 8 * self.count * self.width <= WHOLE:
+            return self._whole[number, first:last]
+        found = np.empty(max(last - first, 0))
+        for place, rows in self._blocks(first, last):
+            found[place - first : place - first + len(rows)] = rows[:, number]
+        return found
+
+    @cached_property
+    def _whole(self) -> Array:
+        found = np.empty((self.width, self.count))
+        for place, rows in self._blocks(0, self.count):
+            found[:, place : place + len(rows)] = rows.T
+        return found
+
+    def _blocks(self, first: int, last: int) -> Iterator[tuple[int, NDArray[np.float64]]]:
+        """Rows as they are stored, with the number of their first one."""
+        size, step = 8 * self.width, max(1, BLOCK // (8 * self.width))
+        for place in range(first, last, step):
+            self._stream.seek(self._first + size * place)
+            rows = np.frombuffer(self._stream.read(size * min(step, last - place)), ">f8")
+            yield place, rows.reshape(-1, self.width)
+
+
+class Column(BackendArray):  # type: ignore[misc]
+    """A variable of the rows, as xarray takes one that is not in memory."""
+
+    def __init__(self, rows: Rows, number: int) -> None:
+        self._rows, self._number = rows, number
+        self.shape, self.dtype = (rows.count,), np.dtype(np.float64)
+
+    def __getitem__(self, key: indexing.ExplicitIndexer) -> Array:
+        basic = indexing.IndexingSupport.BASIC
+        return indexing.explicit_indexing_adapter(key, self.shape, basic, self._taken)  # type: ignore[no-any-return]
+
+    def _taken(self, key: tuple[int | slice]) -> Array:
+        (place,) = key
+        if isinstance(place, slice):
+            start, stop, step = place.indices(self._rows.count)
+            if step > 0:
+                return self._rows.column(self._number, start, stop)[::step].copy()
+            return self._rows.column(self._number, 0, self._rows.count)[place].copy()
+        place = int(place) % max(self._rows.count, 1)
+        return np.asarray(self._rows.column(self._number, place, place + 1)[0])
