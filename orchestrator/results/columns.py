@@ -58,7 +58,7 @@ class Rows:
             yield place, rows.reshape(-1, self.width)
 
 
-class Column(BackendArray):  # type: ignore[misc]
+class Column(BackendArray):
     """A variable of the rows, as xarray takes one that is not in memory."""
 
     def __init__(self, rows: Rows, number: int) -> None:
@@ -67,7 +67,7 @@ class Column(BackendArray):  # type: ignore[misc]
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Array:
         basic = indexing.IndexingSupport.BASIC
-        return indexing.explicit_indexing_adapter(key, self.shape, basic, self._taken)  # type: ignore[no-any-return]
+        return indexing.explicit_indexing_adapter(key, self.shape, basic, self._taken)
 
     def _taken(self, key: tuple[int | slice]) -> Array:
         (place,) = key
