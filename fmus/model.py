@@ -9,9 +9,19 @@ import copy
 from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from typing import Any
 
-from .describe.variables import Array, Constant, Input, Output, Parameter, Tangent, Values, Variable
+from .describe.variables import (
+    Array,
+    Constant,
+    Input,
+    Limit,
+    Output,
+    Parameter,
+    Tangent,
+    Values,
+    Variable,
+)
 
-__all__ = ["Input", "Model", "Output", "Parameter", "Tangent", "Values"]
+__all__ = ["Input", "Limit", "Model", "Output", "Parameter", "Tangent", "Values"]
 
 KINDS: Mapping[str, Callable[[float], float]] = {
     "real": float,
@@ -29,6 +39,7 @@ class Model:
     bytes: numbers, booleans, text, numpy arrays, and lists, tuples or dicts of these.
 
     author, license: as the model description shall say, if at all.
+    limits: what the model's laws hold for; None: it does not say.
     feedthrough: for each output that an input changes within the same instant, those inputs.
     """
 
@@ -39,6 +50,7 @@ class Model:
     inputs: Sequence[Input] = ()
     outputs: Sequence[Output]
     tangents: Sequence[Tangent] = ()
+    limits: Sequence[Limit] | None = None
     feedthrough: Mapping[str, Sequence[str]] = {}
 
     locals: Sequence[Variable] = ()

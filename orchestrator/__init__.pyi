@@ -13,7 +13,7 @@ from .errors import (
 )
 from .fmu.archive import Archive, open_archive
 from .fmu.arrays import shaped, taken_apart
-from .fmu.description import Description, Tangent, Variable
+from .fmu.description import Description, Limit, Tangent, Variable
 from .fmu.given import in_unit
 from .fmu.port_map import Port, PortMap
 from .fmu.read import Contents, describe, open_fmu, survey
@@ -93,6 +93,7 @@ __all__ = [
     "Jacobi",
     "Kind",
     "Level",
+    "Limit",
     "Linear",
     "LinearModel",
     "Log",

@@ -44,7 +44,7 @@ class Point:
 class Mode:
     """An elastic mode of unit modal mass: frequency [Hz], damping ratio [1], where it is from.
 
-    basis: one of `fmus.describe.parameters.BASES`.
+    basis: one of `fmus.describe.variables.BASES`.
     """
 
     name: str

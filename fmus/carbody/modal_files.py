@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from ..describe.parameters import BASES, DEFAULT_SET, Entry, ParameterSet, parameter_set
+from ..describe.parameters import DEFAULT_SET, Entry, ParameterSet, parameter_set
+from ..describe.variables import BASES
 from ..errors import ParameterError
 from .modal_data import DIRECTIONS, ENDS, PLATE_LOADS, Body, ModalData, Mode, Point
 from .modal_table import factor, read_rows

@@ -16,7 +16,7 @@ import numpy as np
 
 from .states import State, derivative_of, with_nominals
 from .terminals import Terminal
-from .variables import Array, Constant, Input, Output, Parameter, Tangent, Values, Variable
+from .variables import Array, Constant, Input, Limit, Output, Parameter, Tangent, Values, Variable
 
 Signals = Mapping[str, ca.SX]
 """Symbols or expressions by name. They are scalars; derived constants may be matrices."""
@@ -52,6 +52,7 @@ class Table:
 class Block:
     """A building block. Subclasses state ports, parameters, and equations as expressions.
 
+    limits: what its laws hold for, where this does not stand in the folder's `range.toml`.
     stands_for: the block whose ports this one has too, and whose numbers it shares.
     """
 
@@ -68,6 +69,7 @@ class Block:
     terminals: Sequence[Terminal] = ()
     table: Table | None = None
     switch: str | None = None
+    limits: Sequence[Limit] | None = None
     stands_for: str | None = None
 
     home: str = ""

@@ -14,7 +14,7 @@ from ..errors import ParameterError
 from ..names import NAMES
 from .spread import FIELDS, Spread, check
 from .units import MismatchError, gain, is_known
-from .variables import Parameter
+from .variables import BASES, Parameter
 
 if TYPE_CHECKING:
     from .block import Block
@@ -24,7 +24,6 @@ DEFAULT_SET = "loaded"
 PARAMETER_SETS = (DEFAULT_SET, "empty", "report-linear")
 SHARED = "vehicle"
 TABLES = (SHARED, *NAMES)
-BASES = ("published", "measured", "derived", "common practice", "assumed", "estimate")
 NO_STOP = 1e3
 """Free play [m or rad] that `inf` in a file becomes, since an FMU's numbers are finite."""
 

@@ -64,6 +64,26 @@ class Tangent:
 
 
 @dataclass(frozen=True)
+class Limit:
+    """Outputs and the values [their SI unit] that the block's laws hold for.
+
+    beyond: what lies outside. remedy: what helps. void: what lies outside means nothing, rather
+    than being less sure.
+    """
+
+    name: str
+    outputs: tuple[str, ...]
+    unit: str
+    least: float | None
+    largest: float | None
+    beyond: str
+    remedy: str
+    basis: str
+    source: str
+    void: bool = False
+
+
+@dataclass(frozen=True)
 class Constant(Variable):
     """A number that follows from the parameters alone, for the user to read."""
 
@@ -98,6 +118,9 @@ def choice(name: str, description: str, choices: tuple[str, ...], symbol: str = 
         name, "1", description, symbol=symbol, kind="enumeration", choices=choices, default=1.0
     )
 
+
+BASES = ("published", "measured", "derived", "common practice", "assumed", "estimate")
+"""What a number may stand on."""
 
 NOMINAL = {
     "m": 1e-2,

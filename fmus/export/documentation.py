@@ -11,6 +11,7 @@ from markdown_it import MarkdownIt
 
 from ..describe.block import Block
 from ..describe.parameters import Entry, ParameterSet
+from ..describe.ranges import range_of
 from ..describe.variables import Parameter, Values, Variable
 from ..model import Model
 
@@ -118,6 +119,7 @@ def documentation(
             [_parameter_row(v, parameters, start) for v in block.parameters],
         ),
         "Terminals": _terminals(block) if isinstance(block, Block) else "",
+        "Range": _range(block),
         "Coupling": _coupling(block),
         "What it can do": _capabilities(description) if description else "",
         "Use": _use(block, description or ""),
@@ -186,6 +188,25 @@ def _terminals(block: Block) -> str:
         "<p>Terminals of the same kind belong together: a tool connects their members by name "
         "(terminalsAndIcons.xml).</p>"
     ) + _table(("name", "meets", "kind", "rule", "members"), rows)
+
+
+def _range(block: Block | Model) -> str:
+    """What the laws hold for."""
+    limits = range_of(block) if isinstance(block, Block) else block.limits
+    if limits is None:
+        return ""
+    if not limits:
+        return "<p>What the block computes holds for all that it can be told.</p>"
+    rows = []
+    for limit in limits:
+        ends = {"≥": limit.least, "≤": limit.largest}
+        held = ", ".join(f"{sign} {end:.4g}" for sign, end in ends.items() if end is not None)
+        told = (limit.beyond, limit.remedy, limit.basis, limit.source)
+        rows.append((", ".join(limit.outputs), held, limit.unit, *told))
+    return (
+        "<p>The block's laws hold while these outputs are within their limits; the annotation "
+        "<code>Range</code> of the model description lists them.</p>"
+    ) + _table(("outputs", "hold for", "unit", "beyond", "what helps", "basis", "source"), rows)
 
 
 def _coupling(block: Block | Model) -> str:

@@ -134,6 +134,12 @@ class WheelRail(Block):
             Output(f"{side}.load_ratio", "1", f"Load on the {side} wheel over its static load")
             for side in SIDES
         ),
+        *(
+            Output(
+                f"{side}.clearance", "m", f"Clearance of the {side} flange; below zero it touches"
+            )
+            for side in SIDES
+        ),
     )
 
     terminals = (
@@ -252,6 +258,7 @@ class WheelRail(Block):
                 f"{side}.l_over_v": outward / load,
                 f"{side}.saturation": resultant / (p["friction_coefficient"] * load),
                 f"{side}.load_ratio": u[f"load_{side}"] / (0.5 * p["axle_load"]),
+                f"{side}.clearance": -_overlap(sign, off_rail, p),
             }
         floor_ratio = p["speed_floor"] / ca.fmax(u["speed"], 1e-3 * p["speed_floor"])
         return {

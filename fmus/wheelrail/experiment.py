@@ -55,6 +55,7 @@ def _solve(values: Values) -> tuple[Table, Table]:
             f"{side}.saturation": np.hypot(force_x, force_y)
             / (values["friction_coefficient"] * load),
             f"{side}.load_ratio": load / (values["axle_load"] / 2),
+            f"{side}.clearance": values["flange_clearance"] - sign * off,
         }
     ends = TIMES[1:]
     starts = ends - PLATEAU + STEP

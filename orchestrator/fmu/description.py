@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
+from math import inf
 
 from ..errors import ValueRefusedError, choices
 from .types import TYPES
@@ -131,6 +132,24 @@ class Tangent:
 
 
 @dataclass(frozen=True)
+class Limit:
+    """Outputs, and the values [their unit] that the FMU's laws hold for, as it states them.
+
+    beyond: what lies outside, remedy: what helps, both in words. void: whether what lies outside
+    means nothing, rather than being less sure.
+    """
+
+    outputs: tuple[str, ...]
+    least: float = -inf
+    largest: float = inf
+    unit: str = ""
+    beyond: str = ""
+    remedy: str = ""
+    source: str = ""
+    void: bool = False
+
+
+@dataclass(frozen=True)
 class Description:
     """An FMU for one of its interfaces: its variables, what it can do, and where its binary is.
 
@@ -141,7 +160,7 @@ class Description:
     input_order: the highest derivative of an input that is taken; of a file it is 1.
     needs_tool: it runs in the tool that it is from. tolerance: that its default experiment asks
     for. reads_any_time: outputs may be read after inputs were set, without a step between;
-    late: those that are not and follow inputs at once.
+    late: those that are not and follow inputs at once. limits: None where it states no range.
     """
 
     label: str
@@ -171,6 +190,7 @@ class Description:
     tolerance: float | None = None
     reads_any_time: bool = True
     late: tuple[str, ...] = ()
+    limits: tuple[Limit, ...] | None = None
 
     def as_of_steps(self) -> Description:
         """The same, outputs being read right after a step only: none follows an input at once."""

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 
 from ..errors import CouplingError, UnitError, choices
 from .arrays import element_names, shaped, with_lanes
-from .description import Description, Lane, Tangent, Variable
+from .description import Description, Lane, Limit, Tangent, Variable
 from .units import Unit
 
 
@@ -90,6 +90,7 @@ class PortMap:
             variables=mapped,
             tangents=tangents,
             optional=frozenset(taken.get(name, name) for name in description.optional),
+            limits=_limits(description, taken, ports),
             arrays={
                 whole.get(name, name): shape
                 for name, shape in description.arrays.items()
@@ -134,6 +135,26 @@ class PortMap:
                 )
             pairs = zip(element_names(name, shape), element_names(port.name, shape), strict=True)
             yield from ((one, replace(port, name=another)) for one, another in pairs)
+
+
+def _limits(
+    description: Description, taken: Mapping[str, str], ports: Mapping[str, Port]
+) -> tuple[Limit, ...] | None:
+    """What the FMU says that it holds for, by the names and in the units of the system."""
+    if description.limits is None:
+        return None
+    found: list[Limit] = []
+    for limit in description.limits:
+        own = tuple(name for name in limit.outputs if name not in taken)
+        found += [replace(limit, outputs=own)] if own else []
+        for name in (taken[output] for output in limit.outputs if output in taken):
+            port = ports[name]
+            least, largest = sorted(
+                port.factor * end + port.offset for end in (limit.least, limit.largest)
+            )
+            unit = port.unit or limit.unit
+            found.append(replace(limit, outputs=(name,), least=least, largest=largest, unit=unit))
+    return tuple(found)
 
 
 def _check_scale(name: str, port: Port) -> None:

@@ -19,7 +19,7 @@ from .archive import check_file, open_archive
 from .arrays import taken_apart
 from .check import first_problem
 from .clocks import clocks_of, with_clocks
-from .description import CO_SIMULATION, MODEL_EXCHANGE, Description, Tangent, Variable
+from .description import CO_SIMULATION, MODEL_EXCHANGE, Description, Limit, Tangent, Variable
 from .units import definitions
 
 DESCRIPTION = "modelDescription.xml"
@@ -169,7 +169,8 @@ def _survey(contents: Contents, interface: str) -> Description:
         needs_tool=_is_true(said, "needsExecutionTool"),
         serializes_state=_is_true(said, "canSerializeFMUstate", "canSerializeFMUState"),
         tangents=_tangents(contents.path, contents.root, variables),
-        optional=frozenset(e.get("input") for e in _coupling(contents.root, "Optional")),
+        optional=frozenset(e.get("input") for e in _annotated(contents.root, "Coupling/Optional")),
+        limits=_limits(contents.path, contents.root, variables),
         units=definitions(model),
         fmi_version=contents.version,
         guid=model.guid or "",
@@ -331,16 +332,44 @@ def _variable(read: Any, dependencies: frozenset[str] | None, names: Mapping[int
     )
 
 
-def _coupling(root: Any, kind: str) -> list[Any]:
-    """What the FMU says of its coupling, by the kind of the element."""
+def _limits(path: Path, root: Any, variables: Mapping[str, Variable]) -> tuple[Limit, ...] | None:
+    """What the annotation `Range` says that the FMU's laws hold for; None without one."""
+    ranges = _annotated(root, "Range")
+    if not ranges:
+        return None
+    limits = []
+    for e in ranges[0].findall("Limit"):
+        outputs = tuple(e.get("outputs", "").split())
+        for name in outputs:
+            if not {name, name.partition("[")[0]} & variables.keys():
+                available = [v.name for v in variables.values() if v.causality == "output"]
+                raise FmuError(
+                    f"'{path}' states a range of '{name}', which is no variable of it; "
+                    f"{choices(name, available)}"
+                )
+        texts = {name: e.get(name, "") for name in ("unit", "beyond", "remedy", "source")}
+        ends = (_end(path, e.get("min", "-inf")), _end(path, e.get("max", "inf")))
+        limits.append(Limit(outputs, *ends, **texts, void=e.get("void") == "true"))
+    return tuple(limits)
+
+
+def _end(path: Path, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise FmuError(f"'{path}' states a range with the end '{text}', no number") from None
+
+
+def _annotated(root: Any, place: str) -> list[Any]:
+    """What stands at a place in the FMU's annotations for this tool."""
     return [
-        *root.findall(f"VendorAnnotations/Tool[@name='tracktrain']/Coupling/{kind}"),
-        *root.findall(f"Annotations/Annotation[@type='tracktrain']/Coupling/{kind}"),
+        *root.findall(f"VendorAnnotations/Tool[@name='tracktrain']/{place}"),
+        *root.findall(f"Annotations/Annotation[@type='tracktrain']/{place}"),
     ]
 
 
 def _tangents(path: Path, root: Any, variables: Mapping[str, Variable]) -> tuple[Tangent, ...]:
-    found = _coupling(root, "Tangent")
+    found = _annotated(root, "Coupling/Tangent")
     tangents = tuple(Tangent(e.get("input"), e.get("output"), e.get("partial")) for e in found)
     for tangent in tangents:
         for role, causality in (("input", "input"), ("output", "output"), ("partial", "input")):

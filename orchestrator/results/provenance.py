@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from importlib.metadata import PackageNotFoundError, version
+from math import inf
 from typing import TYPE_CHECKING, Any
 
+from ..fmu.description import Limit
 from ..plan.plan import Plan, start_values
 
 if TYPE_CHECKING:
@@ -31,6 +33,11 @@ def provenance(
         "fmus": {
             name: {"file": d.label, "sha256": d.sha256}
             for name, d in zip(plan.names, plan.descriptions, strict=True)
+        },
+        "ranges": {
+            name: [_stated(limit) for limit in d.limits]
+            for name, d in zip(plan.names, plan.descriptions, strict=True)
+            if d.limits is not None
         },
         "notes": list(notes),
         **more,
@@ -64,6 +71,14 @@ class Provenance:
         """File and SHA-256 by instance."""
         return self.read("fmus", {})
 
+    @cached_property
+    def ranges(self) -> dict[str, list[Limit]]:
+        """What each instance's FMU says that it holds for; without those that say nothing."""
+        return {
+            name: [Limit(**{**each, "outputs": tuple(each["outputs"])}) for each in limits]
+            for name, limits in self.read("ranges", {}).items()
+        }
+
     @property
     def notes(self) -> list[str]:
         """What the run had to say."""
@@ -88,6 +103,11 @@ class Provenance:
         """An attribute that is JSON, or `missing`."""
         text = self.attributes.get(name)
         return missing if text is None else json.loads(text)
+
+
+def _stated(limit: Limit) -> dict[str, Any]:
+    """What a limit states, without what it leaves open: JSON knows no infinity."""
+    return {name: v for name, v in asdict(limit).items() if v not in (inf, -inf, "")}
 
 
 def _versions() -> dict[str, str]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -49,11 +51,12 @@ def test_the_worst_part_comes_first_and_the_coupling_is_one_of_them():
     assert {part.name for part in found} == {"coupling", "answer", "range", "numbers"}
 
 
-def test_a_run_that_left_a_limit_is_doubtful_in_range():
-    outside = run_of().assign({"truck_front.lift_left": ("time", np.full(6000, 0.01))})
-    outside["truck_front.lift_left"].attrs["units"] = "m"
-    ranged = next(part for part in parts(outside) if part.name == "range")
-    assert ranged.level is Level.DOUBTFUL and "lifted wheels" in ranged.text
+def test_a_run_that_began_outside_the_model_says_so_before_it_asks_for_a_smaller_step():
+    limit = {"outputs": ["left.saturation"], "largest": 1.0, "beyond": "forces above friction"}
+    outside = run_of().assign({"wheelset_11.left.saturation": ("time", np.full(6000, 2.0))})
+    outside.attrs["ranges"] = json.dumps({"wheelset_11": [limit]})
+    smaller = Verdict(Level.DOUBTFUL, ("the residual is large",))
+    assert [part.name for part in parts(outside, smaller)][:2] == ["range", "coupling"]
 
 
 def test_settling_leaves_the_transient_out():

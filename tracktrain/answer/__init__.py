@@ -14,7 +14,7 @@ import xarray as xr
 from orchestrator import Level, Settling, State, Verdict, from_time, settling
 
 from ..car.hopper import layout_of
-from ..car.validity import departures
+from ..car.validity import Range, range_of
 from ..quantities import MOST
 from .standing import Standing, standing
 
@@ -35,12 +35,16 @@ class Part:
 
 def parts(dataset: xr.Dataset, verdict: Verdict | None = None) -> list[Part]:
     """The verdict on a run in parts, the worst first; the coupling's where it is given."""
-    found = [_answer(dataset)]
-    if _is_car(dataset):
-        found += [_range(dataset), NUMBERS]
+    known, found = range_of(dataset), [_answer(dataset)]
     if verdict is not None:
         text = str(verdict).partition(". ")[2]
         found.insert(0, Part("coupling", verdict.level, text))
+    if known.looked_at or _is_car(dataset):
+        # A run that began outside is not mended by what is said of its coupling.
+        began = any(departure.row == 0 for departure in known.departures)
+        found.insert(0 if began else 1, _range(known))
+    if _is_car(dataset):
+        found.append(NUMBERS)
     return sorted(found, key=lambda part: ORDER.index(part.level))
 
 
@@ -109,11 +113,32 @@ def _settled(found: dict[str, Settling], stands: Standing | None) -> tuple[Level
     return Level.DOUBTFUL, f"Too short for statistics of {', '.join(unsettled)}; {todo}.{more}"
 
 
-def _range(dataset: xr.Dataset) -> Part:
-    outside = departures(dataset)
-    if outside:
-        return Part("range", Level.DOUBTFUL, " ".join(f"{_capital(str(d))}." for d in outside))
-    return Part("range", Level.GOOD, "The run stayed inside what its blocks state limits for.")
+def _range(known: Range) -> Part:
+    missing = _unknown(known)
+    if known.departures:
+        worst, *others = known.departures
+        more = [f"{d.limit.beyond} (from {d.time:.3g} s, worst {d.found})" for d in others]
+        said = f" Also outside: {'; '.join(more)}." if more else ""
+        level = Level.BAD if worst.limit.void else Level.DOUBTFUL
+        return Part("range", level, f"{_capital(str(worst))}.{said}{missing}")
+    inside = "The run stayed inside the limits that its FMUs state."
+    if not known.looked_at:
+        return Part(
+            "range", Level.UNKNOWN, missing[1:] or "The run does not say what its FMUs hold for."
+        )
+    return Part("range", Level.UNKNOWN if missing else Level.GOOD, f"{inside}{missing}")
+
+
+def _unknown(known: Range) -> str:
+    """What of the range is not known, as sentences that follow others."""
+    said = ""
+    if known.silent:
+        said += f" Not known for {', '.join(known.silent)}: the FMU states no range."
+    if known.unrecorded:
+        first, *others = known.unrecorded
+        more = f" and {len(others)} more" if others else ""
+        said += f" Not looked at, since it was not recorded: {first}{more}; record it (--record)."
+    return said
 
 
 NUMBERS = Part(

@@ -1,119 +1,153 @@
-"""Where a run left what the laws of its blocks hold for: since when, how far, and what helps."""
+"""Where a run left what its FMUs say that their laws hold for: since when, how far, what helps.
+
+The limits are those that the FMUs state; this file has none of its own.
+"""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator
 from dataclasses import dataclass
+from math import inf, isfinite, pi
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
+from orchestrator import Limit, Provenance
+
+from ..rows import chunks
 from .hopper import layout_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
-
-@dataclass(frozen=True)
-class Limit:
-    """The largest value of a block's outputs that its laws hold for, and what lies beyond.
-
-    outputs: a pattern of their names. share: value over the limit, else the value itself counts.
-    """
-
-    block: str
-    outputs: str
-    largest: float
-    beyond: str
-    remedy: str
-    share: bool = True
+SHOWN = {"rad": ("deg", 180.0 / pi), "m": ("mm", 1e3), "1": ("", 1.0)}
+"""Units in which values are shown, and how many are one of the unit."""
 
 
-LIMITS = (
-    Limit(
-        "wheelrail",
-        r"(left|right)\.saturation",
-        1.0 + 1e-6,
-        "creep forces above dry friction",
-        "take a creep law with a limit, as in --set wheelset_11.creep_law=polach for each wheelset",
-    ),
-    Limit(
-        "wheelrail",
-        "floor_ratio",
-        1.0,
-        "a speed under the floor of the creepages",
-        "results there are those of the floor; end the run before, or lower speed_floor",
-    ),
-    Limit(
-        "truck",
-        "lift_(left|right)",
-        0.0,
-        "lifted wheels",
-        "they come down without a blow, and `linear` creep forces do not know it; take a law that "
-        "knows the load",
-        share=False,
-    ),
-    Limit(
-        "truck",
-        r"strain_ratio\[\d\]",
-        1.0,
-        "strains beyond those that Table 4-5 was measured for",
-        "forces there are extrapolated; give parameters of your truck",
-    ),
-)
-"""All limits of the blocks, the gravest first."""
+@dataclass
+class Watch:
+    """An output beside its limit: rows where it first lay beyond and lay furthest, and its value
+    there; -1 where it never did."""
+
+    output: str
+    limit: Limit
+    first: int = -1
+    furthest: int = -1
+    excess: float = 0.0
+    value: float = 0.0
+
+    def take(self, start: int, values: NDArray[np.float64]) -> None:
+        """Look at rows that begin with this one."""
+        excess = np.nan_to_num(
+            np.maximum(values - self.limit.largest, self.limit.least - values), nan=-inf
+        )
+        row = int(excess.argmax())
+        if excess[row] > self.excess:
+            if self.first < 0:
+                self.first = start + int((excess > 0.0).argmax())
+            self.furthest, self.excess, self.value = start + row, excess[row], values[row]
 
 
 @dataclass(frozen=True)
 class Departure:
-    """Outputs that went beyond a limit: the first one and when [s], the worst and its value."""
+    """Outputs beyond one limit: since when [s] and where along the track [m], and which first; the
+    one that went furthest, its value, and when [s]; their number."""
 
     limit: Limit
     first: str
+    row: int
     time: float
+    station: float | None
     worst: str
     value: float
-    unit: str
+    worst_time: float
     count: int
 
+    @property
+    def where(self) -> str:
+        """What left the range first, and how many others did."""
+        return self.first + (f" and {self.count - 1} more" if self.count > 1 else "")
+
+    @property
+    def found(self) -> str:
+        """The worst value with its unit."""
+        return shown(self.value, self.limit.unit)
+
+    @property
+    def held(self) -> str:
+        """What the laws hold for."""
+        least, largest = self.limit.least, self.limit.largest
+        if least == -largest:
+            return f"±{shown(largest, self.limit.unit)}"
+        ends = {"at least": least, "at most": largest}
+        said = [f"{w} {shown(e, self.limit.unit)}" for w, e in ends.items() if isfinite(e)]
+        return " and ".join(said)
+
     def __str__(self) -> str:
-        times = "times" if self.limit.share else self.unit
-        others = f" (and {self.count - 1} more)" if self.count > 1 else ""
+        station = "" if self.station is None else f" ({self.station:.3g} m along the track)"
         return (
-            f"outside the model: {self.limit.beyond}, from t = {self.time:.3g} s ({self.first}"
-            f"{others}), at most {self.value:.3g} {times} ({self.worst}); {self.limit.remedy}"
+            f"outside the model: {self.limit.beyond}, from t = {self.time:.3g} s{station} on at "
+            f"{self.where}; worst {self.found} at {self.worst_time:.3g} s ({self.worst}), where "
+            f"its laws hold for {self.held}; {self.limit.remedy}"
         )
 
 
-def departures(dataset: xr.Dataset) -> list[Departure]:
-    """What a run of the car went beyond, by kind; empty where it stayed inside."""
-    layout = layout_of(dataset)
-    found = (
-        _departure(dataset, limit, list(_outputs(dataset, limit, layout.instances(limit.block))))
-        for limit in LIMITS
+@dataclass(frozen=True)
+class Range:
+    """What is known of a run's range: what went beyond, the gravest first; instances whose FMUs
+    state none; outputs that have a limit and were not recorded."""
+
+    departures: tuple[Departure, ...]
+    silent: tuple[str, ...]
+    unrecorded: tuple[str, ...]
+    looked_at: int
+
+
+def shown(value: float, unit: str) -> str:
+    """A value in the unit in which it is shown."""
+    name, factor = SHOWN.get(unit, (unit, 1.0))
+    return f"{value * factor:.3g} {name}".strip()
+
+
+def range_of(dataset: xr.Dataset) -> Range:
+    """Where a run stands within what its FMUs state; of a run of any system."""
+    provenance = Provenance.of(dataset)
+    stated = provenance.ranges
+    watches = [
+        Watch(f"{instance}.{output}", limit)
+        for instance, limits in stated.items()
+        for limit in limits
+        for output in limit.outputs
+    ]
+    there = [watch for watch in watches if watch.output in dataset]
+    for start, values in chunks(dataset, sorted({watch.output for watch in there})):
+        for watch in there:
+            watch.take(start, values[watch.output])
+    beyond: dict[str, list[Watch]] = {}
+    for watch in there:
+        if watch.first >= 0:
+            beyond.setdefault(watch.limit.beyond, []).append(watch)
+    found = (_departure(dataset, group) for group in beyond.values())
+    return Range(
+        tuple(sorted(found, key=lambda d: (not d.limit.void, d.row))),
+        tuple(name for name in provenance.fmus if name not in stated),
+        tuple(dict.fromkeys(w.output for w in watches if w.output not in dataset)),
+        len(there),
     )
-    return [departure for departure in found if departure is not None]
 
 
-def _outputs(dataset: xr.Dataset, limit: Limit, instances: tuple[str, ...]) -> Iterator[str]:
-    for name in map(str, dataset.data_vars):
-        instance, _, output = name.partition(".")
-        if instance in instances and re.fullmatch(limit.outputs, output):
-            yield name
-
-
-def _departure(dataset: xr.Dataset, limit: Limit, names: list[str]) -> Departure | None:
-    beyond = {name: dataset[name].values > limit.largest for name in names}
-    places = {name: int(where.argmax()) for name, where in beyond.items() if where.any()}
-    if not places:
-        return None
-    first = min(places, key=places.__getitem__)
-    worst = max(places, key=lambda name: float(dataset[name].values.max()))
+def _departure(dataset: xr.Dataset, group: list[Watch]) -> Departure:
+    first = min(group, key=lambda watch: watch.first)
+    worst = max(group, key=lambda watch: watch.excess)
+    distance = layout_of(dataset).distance
     return Departure(
-        limit,
-        first,
-        float(dataset.time[places[first]]),
-        worst,
-        float(dataset[worst].values.max()),
-        str(dataset[worst].attrs.get("units", "")),
-        len(places),
+        first.limit,
+        first.output,
+        first.first,
+        float(dataset["time"][first.first]),
+        float(dataset[distance][first.first]) if distance in dataset else None,
+        worst.output,
+        worst.value,
+        float(dataset["time"][worst.furthest]),
+        len({watch.output for watch in group}),
     )

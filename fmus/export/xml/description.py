@@ -6,7 +6,9 @@ from collections.abc import Iterable, Mapping
 from xml.etree.ElementTree import Element, SubElement
 
 from ...describe.block import Block
+from ...describe.ranges import range_of
 from ...describe.units import base_exponents
+from ...describe.variables import Limit
 from ...model import Model
 from .model_variables import ModelVariable
 
@@ -83,7 +85,7 @@ def unit_definitions(units: Iterable[str]) -> Element:
     return found
 
 
-def coupling(model: Block | Model) -> Element:
+def _coupling(model: Block | Model) -> Element:
     """For the master: which inputs are partial derivatives of which, and which are optional."""
     element = Element("Coupling")
     partials = {tangent.partial for tangent in model.tangents}
@@ -93,6 +95,34 @@ def coupling(model: Block | Model) -> Element:
     for tangent in model.tangents:
         SubElement(element, "Tangent", vars(tangent))
     return element
+
+
+def annotated(model: Block | Model) -> list[Element]:
+    """What the standard has no place for: `Coupling`, which inputs are partial derivatives of which
+    for the master, and `Range`, which outputs the model's laws hold for."""
+    coupling = _coupling(model)
+    found = [coupling] if len(coupling) else []
+    limits = range_of(model) if isinstance(model, Block) else model.limits
+    if limits is not None:
+        held = Element("Range")
+        for limit in limits:
+            SubElement(held, "Limit", _limit(limit))
+        found.append(held)
+    return found
+
+
+def _limit(limit: Limit) -> dict[str, str]:
+    ends = {"min": limit.least, "max": limit.largest}
+    return {
+        "outputs": " ".join(limit.outputs),
+        "unit": limit.unit,
+        **{name: repr(end) for name, end in ends.items() if end is not None},
+        "beyond": limit.beyond,
+        "remedy": limit.remedy,
+        "basis": limit.basis,
+        "source": limit.source,
+        "void": "true" if limit.void else "false",
+    }
 
 
 def identity(v: ModelVariable) -> dict[str, str]:

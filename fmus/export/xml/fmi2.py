@@ -13,7 +13,16 @@ from ..archive import NO_GUID
 from ..code import unit_files
 from ..dependencies import dependencies, initial_dependencies
 from . import document
-from .description import OURS, Dependencies, about, coupling, definitions, identity, numbers, values
+from .description import (
+    OURS,
+    Dependencies,
+    about,
+    annotated,
+    definitions,
+    identity,
+    numbers,
+    values,
+)
 from .model_variables import ModelVariable, scalars
 
 TYPE = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "enumeration": "Enumeration"}
@@ -58,9 +67,10 @@ def described(
                 SubElement(files, "File", name=name)
     listed = scalars(model, start, at_start)
     definitions(root, model, listed, "SimpleType", "Enumeration")
-    if len(said_of_ports := coupling(model)):
-        tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", name="tracktrain")
-        tool.append(said_of_ports)
+    if told := annotated(model):
+        vendors = SubElement(root, "VendorAnnotations")
+        for element in told:  # the schema allows a tool one element
+            SubElement(vendors, "Tool", name="tracktrain").append(element)
     _variables(root, listed)
     _structure(root, model, now, at_start)
     return document(root)

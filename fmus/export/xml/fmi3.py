@@ -10,7 +10,16 @@ from ...describe.variables import Values
 from ..archive import NO_GUID
 from ..dependencies import dependencies, initial_dependencies
 from . import document
-from .description import OURS, Dependencies, about, coupling, definitions, identity, numbers, values
+from .description import (
+    OURS,
+    Dependencies,
+    about,
+    annotated,
+    definitions,
+    identity,
+    numbers,
+    values,
+)
 from .model_variables import ModelVariable, scalars, with_arrays
 
 TYPE = {"real": "Float64", "integer": "Int32", "boolean": "Boolean", "enumeration": "Enumeration"}
@@ -27,9 +36,9 @@ def model_description(block: Block, start: Values) -> str:
     definitions(root, block, listed, "EnumerationType")
     _variables(root, block, listed)
     _structure(root, block, listed)
-    if len(said_of_ports := coupling(block)):
+    if told := annotated(block):
         annotation = SubElement(SubElement(root, "Annotations"), "Annotation", type="tracktrain")
-        annotation.append(said_of_ports)
+        annotation.extend(told)
     return document(root)
 
 

@@ -1,48 +1,106 @@
-"""What a run says when it leaves what the laws of its blocks hold for."""
+"""What a run says when it leaves what its FMUs state that their laws hold for."""
 
 from __future__ import annotations
+
+import json
 
 import numpy as np
 import xarray as xr
 
-from tracktrain.car.validity import departures
+from tracktrain.answer import parts
+from tracktrain.car.validity import range_of
+from tracktrain.rows import chunks
+
+CREEP = {
+    "outputs": ["left.saturation", "right.saturation"],
+    "largest": 1.0,
+    "unit": "1",
+    "beyond": "creep forces above dry friction",
+    "remedy": "take another creep law",
+}
+TURNED = {
+    "outputs": ["yaw"],
+    "least": -0.05,
+    "largest": 0.05,
+    "unit": "rad",
+    "beyond": "wheelsets turned too far",
+    "remedy": "start nearer to rest",
+    "void": True,
+}
 
 
-def recorded(**values):
-    """A run of three rows 0.5 s apart with these outputs."""
-    data = {
-        name: ("time", np.array(row, float), {"units": unit})
-        for name, (row, unit) in values.items()
-    }
-    return xr.Dataset(data, coords={"time": ("time", [0.0, 0.5, 1.0], {"units": "s"})})
+def recorded(ranges, fmus=("wheelset_11",), **values):
+    """A run of three rows 0.5 s apart with these outputs, whose FMUs state these ranges."""
+    data = {name: ("time", np.array(row, float)) for name, row in values.items()}
+    said = {"ranges": json.dumps(ranges), "fmus": json.dumps({name: {} for name in fmus})}
+    return xr.Dataset(data, coords={"time": [0.0, 0.5, 1.0]}, attrs=said)
 
 
-def test_a_run_inside_its_laws_says_nothing():
-    inside = recorded(
-        **{
-            "wheelset_11.left.saturation": ([0.1, 0.99, 1.0], "1"),
-            "truck_front.lift_left": ([0.0, 0.0, 0.0], "m"),
-            "truck_front.strain_ratio[3]": ([0.2, 0.9, 1.0], "1"),
-        }
-    )
-    assert departures(inside) == []
+def ranged(dataset):
+    return next(part for part in parts(dataset) if part.name == "range")
 
 
-def test_each_kind_is_told_once_with_its_first_time_and_its_worst_value():
+def test_a_run_at_its_limits_is_inside_and_just_beyond_is_outside():
+    stated = {"wheelset_11": [CREEP]}
+    inside = recorded(stated, **{"wheelset_11.left.saturation": [0.1, 0.9, 1.0]})
+    assert range_of(inside).departures == ()
+    outside = recorded(stated, **{"wheelset_11.left.saturation": [0.1, 0.9, 1.001]})
+    assert [d.time for d in range_of(outside).departures] == [1.0]
+
+
+def test_each_kind_is_told_once_with_when_and_where_it_began_and_its_worst_value():
     run = recorded(
+        {name: [CREEP] for name in ("wheelset_11", "wheelset_22")},
         **{
-            "wheelset_11.left.saturation": ([0.1, 0.5, 1.2], "1"),
-            "wheelset_22.right.saturation": ([0.1, 3.8, 2.0], "1"),
-            "truck_rear.lift_right": ([0.0, 0.0, 0.012], "m"),
-        }
+            "wheelset_11.left.saturation": [0.1, 0.5, 1.2],
+            "wheelset_22.right.saturation": [0.1, 3.8, 2.0],
+            "track.distance": [0.0, 9.0, 18.0],
+        },
     )
-    creep, wheels = departures(run)
-    assert (creep.first, creep.time, creep.count) == ("wheelset_22.right.saturation", 0.5, 2)
-    assert (creep.worst, creep.value) == ("wheelset_22.right.saturation", 3.8)
-    assert "creep_law=polach" in str(creep)
-    assert (wheels.time, wheels.value, wheels.unit) == (1.0, 0.012, "m")
-    assert "lifted wheels, from t = 1 s" in str(wheels)
+    (creep,) = range_of(run).departures
+    assert (creep.first, creep.time, creep.station) == ("wheelset_22.right.saturation", 0.5, 9.0)
+    assert (creep.worst, creep.value, creep.count) == ("wheelset_22.right.saturation", 3.8, 2)
+    assert "from t = 0.5 s (9 m along the track)" in str(creep)
+    assert str(creep).endswith("take another creep law")
 
 
-def test_outputs_of_other_systems_are_left_alone():
-    assert departures(recorded(**{"pump.left.saturation": ([0.0, 9.0, 9.0], "1")})) == []
+def test_what_means_nothing_stands_before_what_is_less_sure_whichever_came_first():
+    run = recorded(
+        {"wheelset_11": [CREEP, TURNED]},
+        **{"wheelset_11.left.saturation": [2.0, 2.0, 2.0], "wheelset_11.yaw": [0.0, -0.1, 0.0]},
+    )
+    turned, creep = range_of(run).departures
+    assert (turned.limit.beyond, turned.found, turned.held) == (
+        TURNED["beyond"],
+        "-5.73 deg",
+        "±2.86 deg",
+    )
+    assert creep.time < turned.time
+    assert ranged(run).level.value == "bad"
+
+
+def test_an_fmu_that_states_no_range_is_never_inside():
+    stated, values = {"wheelset_11": [TURNED]}, {"wheelset_11.yaw": [0.0, 0.01, 0.0]}
+    assert ranged(recorded(stated, **values)).level.value == "good"
+    swapped = ranged(recorded(stated, fmus=("wheelset_11", "truck_front"), **values))
+    assert swapped.level.value == "unknown"
+    assert "truck_front: the FMU states no range" in swapped.text
+
+
+def test_an_output_that_was_not_recorded_is_never_inside():
+    run = recorded({"wheelset_11": [CREEP, TURNED]}, **{"wheelset_11.yaw": [0.0, 0.0, 0.0]})
+    assert ranged(run).level.value == "unknown"
+    assert "wheelset_11.left.saturation and 1 more" in ranged(run).text
+
+
+def test_values_that_are_no_numbers_hide_nothing_that_came_before():
+    run = recorded({"wheelset_11": [TURNED]}, **{"wheelset_11.yaw": [0.0, 0.2, np.nan]})
+    (turned,) = range_of(run).departures
+    assert (turned.time, turned.value) == (0.5, 0.2)
+
+
+def test_chunks_hold_every_row_once():
+    run = recorded({}, **{"track.distance": [0.0, 9.0, 18.0]})
+    found = list(chunks(run, ["track.distance"], size=2))
+    assert [first for first, _ in found] == [0, 2]
+    assert np.concatenate([v["track.distance"] for _, v in found]).tolist() == [0.0, 9.0, 18.0]

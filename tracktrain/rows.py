@@ -1,0 +1,29 @@
+"""The rows of a run a few at a time, so that a run of any length can be looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+BYTES = 2**25
+"""Values that are held at a time, at most."""
+
+
+def chunks(
+    dataset: xr.Dataset, names: Collection[str], size: int | None = None
+) -> Iterator[tuple[int, dict[str, NDArray[np.float64]]]]:
+    """The values of these variables from the first row to the last, a chunk of rows at a time.
+
+    Each chunk comes with the number of its first row. size: rows of a chunk; by default as many as
+    some megabytes hold.
+    """
+    rows = size or max(BYTES // (8 * max(len(names), 1)), 1)
+    for first in range(0, dataset.sizes["time"], rows):
+        part = {"time": slice(first, first + rows)}
+        yield first, {name: np.asarray(dataset[name].isel(part), float) for name in names}
