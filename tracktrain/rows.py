@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 BYTES = 2**25
-"""Values that are held at a time, at most."""
+"""Bytes of all columns of a chunk."""
 
 
 def chunks(
@@ -21,9 +21,9 @@ def chunks(
     """The values of these variables from the first row to the last, a chunk of rows at a time.
 
     Each chunk comes with the number of its first row. size: rows of a chunk; by default as many as
-    some megabytes hold.
+    the file keeps with all its columns.
     """
-    rows = size or max(BYTES // (8 * max(len(names), 1)), 1)
+    rows = size or max(BYTES // (8 * (len(dataset.variables) + 2)), 1)
     for first in range(0, dataset.sizes["time"], rows):
         part = {"time": slice(first, first + rows)}
         yield first, {name: np.asarray(dataset[name].isel(part), float) for name in names}

@@ -20,6 +20,9 @@ from .classic import ClassicHeader
 WHOLE = 2**28
 """Bytes of rows up to which all columns are kept."""
 
+HELD = 2**25
+"""Bytes of a piece of the rows up to which all its columns are kept."""
+
 BLOCK = 2**20
 """Bytes that are read at a time."""
 
@@ -32,11 +35,14 @@ class Rows:
     def __init__(self, stream: BinaryIO, header: ClassicHeader) -> None:
         self._stream, self._first = stream, header.first_row
         self.count, self.width = header.rows, header.width
+        self._held: tuple[tuple[int, int], Array] = (0, 0), np.empty((header.width, 0))
 
     def column(self, number: int, first: int, last: int) -> Array:
         """The values of a variable from a row to the one before the last, by its number."""
         if 8 * self.count * self.width <= WHOLE:
             return self._whole[number, first:last]
+        if 8 * max(last - first, 0) * self.width <= HELD:
+            return self._held_rows(first, last)[number]
         found = np.empty(max(last - first, 0))
         for place, rows in self._blocks(first, last):
             found[place - first : place - first + len(rows)] = rows[:, number]
@@ -44,9 +50,18 @@ class Rows:
 
     @cached_property
     def _whole(self) -> Array:
-        found = np.empty((self.width, self.count))
-        for place, rows in self._blocks(0, self.count):
-            found[:, place : place + len(rows)] = rows.T
+        return self._all_columns(0, self.count)
+
+    def _held_rows(self, first: int, last: int) -> Array:
+        """All columns of these rows; those of the last call are kept for the next column."""
+        if self._held[0] != (first, last):
+            self._held = (first, last), self._all_columns(first, last)
+        return self._held[1]
+
+    def _all_columns(self, first: int, last: int) -> Array:
+        found = np.empty((self.width, max(last - first, 0)))
+        for place, rows in self._blocks(first, last):
+            found[:, place - first : place - first + len(rows)] = rows.T
         return found
 
     def _blocks(self, first: int, last: int) -> Iterator[tuple[int, NDArray[np.float64]]]:
