@@ -51,6 +51,7 @@ from .run.checkpoint import read_checkpoint
 from .run.execution import Execution
 from .run.log import Log
 from .run.outcome import Kind, Outcome
+from .run.request import Request, read_request
 from .run.settings import Settings
 from .run.simulate import resume, simulate
 from .slaves.inline import InlineModel, Mock
@@ -111,6 +112,7 @@ __all__ = [
     "ProfileError",
     "Provenance",
     "Quantity",
+    "Request",
     "ResultsError",
     "ResultsFile",
     "Run",
@@ -155,6 +157,7 @@ __all__ = [
     "read_checkpoint",
     "read_port_map",
     "read_profile",
+    "read_request",
     "read_ssp",
     "resume",
     "rms",

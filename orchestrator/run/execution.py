@@ -36,6 +36,7 @@ from .context import Context
 from .initial_values import settle
 from .log import Logger, listener
 from .outcome import Kind, Outcome
+from .request import REQUEST, written_request
 from .settings import Settings, chosen
 from .snapshot import Snapshot, put_back, taken
 from .stepping import Progress, Stepper
@@ -355,6 +356,7 @@ class Execution:
                 "start": grid.start,
                 "every": settings.every,
                 "fmu_tolerance": settings.fmu_tolerance,
+                REQUEST: written_request(c),
             },
             [*self.notes, *c.plan.notes, *c.prepared.notes],
             self.evidence.attributes(),

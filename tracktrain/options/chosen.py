@@ -207,7 +207,8 @@ def refuse_options(ctx: click.Context, names: Iterable[str], reason: str) -> Non
         param.opts[0]
         for param in ctx.command.params
         if param.name in names
-        and ctx.get_parameter_source(param.name) is ParameterSource.COMMANDLINE
+        and ctx.get_parameter_source(param.name)
+        in (ParameterSource.COMMANDLINE, ParameterSource.DEFAULT_MAP)
     ]
     if given:
         raise TracktrainError(f"{reason}; leave out {' and '.join(given)}")

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 RESUMED = ("resume", "csv", "page", "quiet", "log", "log_level", "statistics_from", "settle")
 """Options that a run which goes on may still have."""
 
+REPEATED = (*RESUMED, "again", "out")
+"""Options that a run which is made again may have."""
+
 
 def _setting(name: str, **more: Any) -> Option:
     return field_option(SETTINGS[name], **more)
@@ -92,6 +95,12 @@ run_options = adding(
             metavar="DIR",
             help="Go on with the run whose results and checkpoint are in DIR, as it began.",
         ),
+        click.option(
+            "--again",
+            type=click.Path(path_type=Path),
+            metavar="DIR",
+            help="Make the run whose results are in DIR again, to the last bit; into --out.",
+        ),
     )
 )
 
@@ -103,6 +112,7 @@ class Kept:
     csv: bool
     page: bool
     resume: Path | None
+    again: Path | None
     log: Path | None
     log_level: str
 
@@ -145,7 +155,7 @@ def logged(ctx: click.Context, file: Path | None, level: str) -> Iterator[Log | 
     """The log that --log and --log-level ask for; none where neither is given."""
     from orchestrator import Log
 
-    asked = ctx.get_parameter_source("log_level") is ParameterSource.COMMANDLINE
+    asked = ctx.get_parameter_source("log_level") is not ParameterSource.DEFAULT
     if file is None and not asked:
         yield None
         return

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +16,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
 
 import orchestrator
+from fmus import catalogue
 
 from ...failures import Stopped, termination_as_interrupt
 from ...options.chosen import (
@@ -25,8 +28,18 @@ from ...options.chosen import (
     refuse_options,
     system_options,
 )
+from ...options.file import SUFFIX, read_run_file, run_file, schema
 from ...options.master import coupling, master_options
-from ...options.run import RESUMED, Counting, Kept, isolated, logged, run_options, survival
+from ...options.run import (
+    REPEATED,
+    RESUMED,
+    Counting,
+    Kept,
+    isolated,
+    logged,
+    run_options,
+    survival,
+)
 from ...options.trust import shown, trust_options, trusted
 from ...terminal import writable
 
@@ -57,10 +70,17 @@ Examples:
   tracktrain run --swap truck_rear=my_truck.fmu --out results/my-truck
   tracktrain run --master jacobi --verify --verify-output "wheelset_*.force_y"
   tracktrain run --speed-profile run-down.csv --track fra5
+  tracktrain run --speed "80 ft/s" --track fra4 --save fast.toml
+  tracktrain run fast.toml --seed 7
   tracktrain run hopper.ssp --set track.seed=7 --drive track.speed=run-down.csv"""
 )
 @click.argument(
-    "file", required=False, is_eager=True, type=click.Path(path_type=Path), metavar="[FILE.ssp]"
+    "file",
+    required=False,
+    is_eager=True,
+    type=click.Path(path_type=Path),
+    metavar="[FILE]",
+    callback=lambda ctx, _, path: _of_file(ctx, path),
 )
 @click.option(
     "--ssd", metavar="NAME", help="Which system to run, where FILE.ssp holds several (.ssd)."
@@ -77,6 +97,20 @@ Examples:
 )
 @run_options
 @trust_options
+@click.option(
+    "--save",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE.toml",
+    help="Write a file that says what the options say, from which the run can be made again.",
+)
+@click.option(
+    "--schema",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=lambda ctx, _, asked: _print_schema(ctx) if asked else None,
+    help="Print the JSON schema of such files, for an editor.",
+)
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
 def command(
@@ -84,6 +118,7 @@ def command(
     file: Path | None,
     ssd: str | None,
     out: Path,
+    save: Path | None,
     quiet: bool,
     **options: Any,
 ) -> None:
@@ -91,8 +126,11 @@ def command(
 
     Without options: the loaded car for 60 s at 30 mph over track of FRA class 5. FILE is an
     archive or a description (.ssd) of the standard SSP; it says itself what is to be run, and
-    --set, --swap, --duration and --step change that.
+    --set, --swap, --duration and --step change that. Or FILE is a run: options by name in TOML,
+    from which typed ones depart (docs/run_files.md).
     """
+    if save is not None:
+        save.write_text(run_file(ctx, save.parent), encoding="utf-8")
     how, coupled, trust = survival(options), coupling(options), trusted(options)
     kept, isolate, shape = Kept.taken(options), options.pop("isolate"), Shape.taken(options)
     counting = Counting.taken(options)
@@ -105,6 +143,12 @@ def command(
         refuse_options(ctx, others, f"the run in '{resume}' goes on as it began")
         system = orchestrator.read_checkpoint(resume).system
         start = partial(orchestrator.resume, resume)
+    elif kept.again is not None:
+        others = {param.name or "" for param in ctx.command.params} - {*REPEATED}
+        refuse_options(ctx, others, f"the run in '{kept.again}' is made again as it was")
+        asked = orchestrator.read_request(kept.again, [catalogue.folder()])
+        system, same = asked.system, replace(asked.settings, out=folder)
+        start = partial(orchestrator.simulate, system, asked.master, same)
     elif file is None:
         refuse_options(ctx, ["ssd"], "there is no file to choose a system of")
         refuse_idle_options(ctx, shape)
@@ -113,7 +157,7 @@ def command(
         refuse_options(ctx, CAR_ONLY, f"the car is the one that '{file}' describes")
         unpacked = folder / FMUS_OF_CHECKPOINT if how["checkpoint"] else None
         system = chosen_file(file, ssd, shape, unpacked)
-    if resume is None:
+    if resume is None and kept.again is None:
         settings = {
             **how,
             **coupled,
@@ -147,6 +191,18 @@ def command(
         message = result.message or "the run stopped early"
         hint = f"; go on with --resume {folder}" if how["checkpoint"] or resume else ""
         raise Stopped(f"{message}; what was computed until then is in {folder}{hint}")
+
+
+def _of_file(ctx: click.Context, path: Path | None) -> Path | None:
+    """The system's file: a run's file, which gives options, may name one."""
+    if path is None or path.suffix.lower() != SUFFIX:
+        return path
+    return read_run_file(ctx, path)
+
+
+def _print_schema(ctx: click.Context) -> None:
+    click.echo(json.dumps(schema(ctx.command), indent=2))
+    ctx.exit()
 
 
 def _write(result: Run, folder: Path, csv: bool, page: bool) -> list[str]:
