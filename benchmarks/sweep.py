@@ -2,8 +2,8 @@
 
     python benchmarks/sweep.py [rounds]
 
-Speeds of 60, 80 and 100 ft/s, 40 seeds each, 8 s at 1 ms. One process is this one itself; two are
-Dask's. `steady` is over the last two thirds of the rows, when the processes have started and
+Speeds of 60, 80 and 100 ft/s, 40 seeds each, 8 s at 1 ms. This process is one of them, from the
+first moment. `steady` is over the last two thirds of the rows, when the other one has started and
 imported all; `all` is from start to end. The ratios are of sweeps that follow one another, so that
 other load falls on both.
 """
@@ -34,6 +34,8 @@ def spent(workers: int, reuse: bool = True) -> tuple[float, float]:
     done: list[float] = []
     sweep(
         OVER,
+        duration=8.0,
+        track="report",
         workers=workers,
         reuse=reuse,
         progress=lambda share: done.append(time.perf_counter()),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import tempfile
+import time
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from functools import partial
@@ -15,14 +16,15 @@ from orchestrator import in_unit, owned
 
 from ..car.hopper import CARS, hopper_car
 from ..errors import choices
+from ..options.car import fmu_of
 from ..options.chosen import Shape
 from ..options.master import USUAL as COUPLED
 from ..terminal import Progress, unseen
 from .axes import QUANTITIES, Axis, Given, SweepError, make_axis, shaped
 from .one import run_one
 from .store import Store
-from .table import make_table, write_table
-from .workers import rows
+from .table import make_table, pace, write_table
+from .workers import processes, rows
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -66,13 +68,18 @@ def sweep(
             for number, point in enumerate(points)
             if number not in store.rows
         }
+        begin, before = time.perf_counter(), set(store.rows)
         try:
             work = partial(run_one, outputs=outputs, reuse=reuse)
-            for number, row in rows(tasks, work, workers, scheduler):
+            ours = not shape["swaps"]
+            for number, row in rows(tasks, work, workers, scheduler, here=ours):
                 store.add(number, row)
                 progress(len(store.rows) / len(points))
         finally:
             table = make_table(axes, store.rows)
+            made = [row for number, row in store.rows.items() if number not in before]
+            busy = 0 if scheduler else processes(len(tasks), workers)
+            table.attrs["pace"] = pace(made, time.perf_counter() - begin, busy)
             if out is not None:
                 write_table(table, folder)
     return table
@@ -121,7 +128,7 @@ def _asked(
     layouts = [CARS[str(car)].layout for car in cars if car in CARS]
     printed = dict.fromkeys(name for layout in layouts for name in layout.printed)
     fmus = {Path(str(c.fmu)) for c in hopper_car().components.values()}
-    fmus |= {Path(path) for _, _, path in shape["swaps"]}
+    fmus |= {fmu_of(given) for _, _, given in shape["swaps"]}
     return {
         "over": {axis.label: axis.values for axis in axes},
         "options": shape,

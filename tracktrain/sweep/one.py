@@ -22,6 +22,7 @@ NUMBERS = {
     "l_over_v.max": "1",
     "energy_residual": "1",
     "wall_time": "s",
+    "stepping_time": "s",
 }
 """Columns beside those of the outputs, and their units."""
 
@@ -68,6 +69,7 @@ def run_one(options: Mapping[str, Any], outputs: Sequence[str] | None, reuse: bo
         return {"units": {}, "message": said, "wall_time": time.perf_counter() - begin}
     row = _numbers(run, outputs)
     row |= {"verdict": str(run.verdict), "message": run.message or ""}
+    row["stepping_time"] = run.statistics.wall_stepping
     row["wall_time"] = time.perf_counter() - begin
     return row
 

@@ -46,6 +46,20 @@ def make_table(axes: Sequence[Axis], rows: Mapping[int, Row]) -> xr.Dataset:
     return xr.Dataset(data, coordinates)
 
 
+def pace(made: Sequence[Row], wall: float, processes: int) -> str:
+    """How fast runs were made in a wall time [s], and what share of it was not stepping.
+
+    processes: that made them; 0 where their number is not known.
+    """
+    said = f"{len(made)} runs in {wall:.1f} s, {len(made) / max(wall, 1e-9):.3g} runs a second"
+    if not (processes and made):
+        return said
+    stepping = sum(row.get("stepping_time", 0.0) for row in made)
+    beside = max(1.0 - stepping / (processes * wall), 0.0)
+    how = "one process" if processes == 1 else f"{processes} processes"
+    return f"{said}; {how}, whose time went to steps but for {beside:.0%}"
+
+
 def as_rows(table: xr.Dataset) -> pd.DataFrame:
     """One row a run that was made, units in the columns' names."""
     frame = table.to_dataframe().reset_index()

@@ -17,6 +17,7 @@ from click.testing import CliRunner
 
 from orchestrator import simulate
 from orchestrator.results.metrics import dominant_frequency, peak, rms
+from support.sweep_rows import squared
 from tracktrain.car.hopper import hopper_car
 from tracktrain.cli.main import main
 from tracktrain.options.master import COUPLING
@@ -24,6 +25,8 @@ from tracktrain.scales import FOOT
 from tracktrain.sweep import sweep
 from tracktrain.sweep.axes import SweepError, make_axis, read_axis
 from tracktrain.sweep.grid import USUAL
+from tracktrain.sweep.table import pace
+from tracktrain.sweep.workers import rows
 
 FORCE = "wheelset_11.force_y"
 SHORT = {"outputs": [FORCE], "duration": 0.2, "workers": 1}
@@ -140,13 +143,35 @@ def test_a_folder_belongs_to_one_sweep(tmp_path):
 
 
 def test_processes_make_the_rows_of_one_process(tmp_path):
-    over = {"speed": "60,80 ft/s", "seed": "1:2"}
-    alone = sweep(over, **SHORT)
-    shared = sweep(over, **{**SHORT, "workers": 2}, out=tmp_path)
+    """Where an FMU is swapped, no run is made in this process."""
+    over, swaps = {"speed": "60,80 ft/s"}, [("truck_rear", "", "truck")]
+    alone = sweep(over, **SHORT, swaps=swaps)
+    shared = sweep(over, **{**SHORT, "workers": 2}, swaps=swaps, out=tmp_path)
     assert np.array_equal(alone[f"{FORCE}.rms"], shared[f"{FORCE}.rms"])
     with xr.open_dataset(tmp_path / "sweep.nc") as written:
         assert np.array_equal(written[f"{FORCE}.peak"], alone[f"{FORCE}.peak"])
         assert written["speed"].attrs["units"] == "ft/s"
+
+
+def test_a_run_that_takes_its_process_along_is_a_row_and_the_others_are_made():
+    tasks = {10 * n: {"number": n} for n in (1, -2, 3)}
+    found = dict(rows(tasks, squared, workers=2, here=False))
+    assert {n: row.get("square") for n, row in found.items()} == {10: 1, -20: None, 30: 9}
+    assert found[-20]["message"] == "the process of this run ended with exit code 3"
+    assert os.getpid() not in {row.get("process") for row in found.values()}
+
+
+def test_a_few_short_runs_do_not_wait_for_other_processes():
+    tasks = {n: {"number": n} for n in range(4)}
+    made = dict(rows(tasks, squared, workers=2))
+    assert {row["process"] for row in made.values()} == {os.getpid()}
+
+
+def test_how_fast_runs_were_made_and_what_was_not_stepping_is_said():
+    made = [{"stepping_time": 0.5}] * 8
+    assert pace(made, 4.0, 2) == (
+        "8 runs in 4.0 s, 2 runs a second; 2 processes, whose time went to steps but for 50%"
+    )
 
 
 def test_a_running_cluster_is_used(monkeypatch):
@@ -166,6 +191,7 @@ def test_the_command_writes_table_and_pictures_and_refuses(tmp_path):
     assert list(table.columns[:2]) == ["speed [ft/s]", "car"] and len(table) == 4
     assert {f"{FORCE}.rms [N]", "wall_time [s]", "l_over_v.max"} <= set(table.columns)
     assert (tmp_path / "wheelset_11.force_y.png").exists()
+    assert "4 runs in " in result.output and "one process, whose time" in result.output
     twice = CliRunner().invoke(main, [*arguments, "--car", "empty"])
     assert twice.exit_code == 2 and "leave out --car" in twice.output
     nowhere = [*arguments[:-2], "--scheduler", "tcp://127.0.0.1:1", "--track", "fra4"]

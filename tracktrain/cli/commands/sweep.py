@@ -50,10 +50,12 @@ Examples:
     "--workers",
     type=click.IntRange(min=1),
     metavar="N",
-    help="Processes on this machine.  [default: one a core]",
+    help="Processes on this machine, of which the command itself is one.  [default: one a core]",
 )
 @click.option(
-    "--scheduler", metavar="ADDRESS", help="Run on the cluster of this Dask scheduler instead."
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Run on the cluster of this Dask scheduler instead; needs tracktrain[cluster].",
 )
 @click.option(
     "--out",
@@ -118,6 +120,7 @@ def _print(table: xr.Dataset, axes: list[str], folder: Path) -> None:
     if failed:
         note = f"note: {len(failed)} runs failed, as: {failed[0]}"
         console.print(note, style="dim", markup=False, highlight=False)
+    console.print(table.attrs["pace"], markup=False, highlight=False)
     console.print(
         f"sweep.csv, sweep.nc and pictures are in {folder}", markup=False, highlight=False
     )
