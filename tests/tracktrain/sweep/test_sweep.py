@@ -147,6 +147,7 @@ def test_processes_make_the_rows_of_one_process(tmp_path):
     over, swaps = {"speed": "60,80 ft/s"}, [("truck_rear", "", "truck")]
     alone = sweep(over, **SHORT, swaps=swaps)
     shared = sweep(over, **{**SHORT, "workers": 2}, swaps=swaps, out=tmp_path)
+    assert not any(shared["message"].values)
     assert np.array_equal(alone[f"{FORCE}.rms"], shared[f"{FORCE}.rms"])
     with xr.open_dataset(tmp_path / "sweep.nc") as written:
         assert np.array_equal(written[f"{FORCE}.peak"], alone[f"{FORCE}.peak"])
