@@ -27,6 +27,7 @@ DOORS = {
     "fmus/catalogue.py": "FMUs that are built already are found without what builds them",
     "orchestrator/masters/*.py": "masters are named in a help text; their loops are compiled",
     "orchestrator/slaves/loading.py": "what stands before FMUs of other types is compiled",
+    "fmus/carbody/modes.py": "FMUs are built without SciPy, and their known results made with it",
     "fmus/describe/units.py": "pint reads its registry of units",
     "orchestrator/fmu/units.py": "pint reads its registry of units",
     "tracktrain/car/carbody.py": "to build a carbody takes CasADi and a compiler",

@@ -5,15 +5,19 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
-from typing import Any
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-from .car.hopper import hopper_car
+if TYPE_CHECKING:
+    from .car.hopper import hopper_car
 
 __all__ = ["hopper_car"]
 
 
 def __getattr__(name: str) -> Any:
+    """Loaded when it is asked for: a command line wants its help at once."""
+    if name == "hopper_car":
+        return import_module(".car.hopper", __name__).hopper_car
     if name == "__version__":
-        return version("tracktrain")
+        return import_module("importlib.metadata").version("tracktrain")
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -15,8 +15,20 @@ from orchestrator import plain
 PACKAGES = ("tracktrain", "orchestrator", "fmus", "structures")
 
 
-FURTHER = ("pyfe3d", "pyuff")
-"""Packages of the extra `structures`."""
+EXTRAS = {
+    "casadi": "build",
+    "markdown_it": "build",
+    "ziglang": "build",
+    "pyfe3d": "structures",
+    "pyuff": "structures",
+}
+"""The extra that a package comes with."""
+
+NEEDS = {
+    "build": "building FMUs and working with the blocks' equations",
+    "structures": "finite elements and modal surveys",
+}
+"""What an extra is for."""
 
 
 class BadInput(click.ClickException):
@@ -58,10 +70,11 @@ def clear_errors() -> Iterator[None]:
     except OSError as error:
         raise Stopped(plain(_told(error))) from None
     except Exception as error:
-        if isinstance(error, ModuleNotFoundError) and error.name in FURTHER:
+        if isinstance(error, ModuleNotFoundError) and error.name in EXTRAS:
+            extra = EXTRAS[error.name]
             raise BadInput(
-                f"this needs the package {error.name}, which is not installed; install the extra: "
-                "python -m pip install 'tracktrain[structures]'"
+                f"this needs the package {error.name}, which is not installed; {NEEDS[extra]} "
+                f"takes the extra: python -m pip install 'tracktrain[{extra}]'"
             ) from None
         if type(error).__module__.partition(".")[0] in PACKAGES:
             raise BadInput(str(error)) from None

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
-import scipy  # its parts load when they are used
 
 from ..describe.variables import Values
 from .modal_data import DIRECTIONS, ENDS, ModalData
@@ -38,6 +37,8 @@ class ClosedForm:
 
         The loads are force + ramp*t [N, N.m and per s], by the name of their port.
         """
+        from scipy.linalg import expm
+
         n = len(self.w)
         system = np.zeros((2 * n + 2, 2 * n + 2))  # q, qd, force's part of 1, t
         system[:n, n : 2 * n] = np.eye(n)
@@ -46,7 +47,7 @@ class ClosedForm:
         system[n : 2 * n, 2 * n] = self.on_modes(ramp)
         system[n : 2 * n, 2 * n + 1] = self.on_modes(force)
         system[2 * n, 2 * n + 1] = 1.0
-        return (scipy.linalg.expm(system * duration) @ np.r_[state, 0.0, 1.0])[: 2 * n]
+        return (expm(system * duration) @ np.r_[state, 0.0, 1.0])[: 2 * n]
 
 
 def default_modes(values: Values) -> ClosedForm:

@@ -101,7 +101,7 @@ def compiler_command(target: Target) -> list[str]:
     """Command line of the compiler: zig from its Python package, else the host's cc."""
     if importlib.util.find_spec("ziglang"):
         return [sys.executable, "-m", "ziglang", "cc", "-target", target.zig, "-s"]
-    install = "install the Python package ziglang (`python -m pip install ziglang`)"
+    install = "install ziglang (`python -m pip install 'tracktrain[build]'`)"
     if target != host_target():
         raise CompileError(
             f"no compiler for {target.name}: a C compiler called cc is used for this machine "

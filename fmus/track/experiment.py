@@ -9,7 +9,7 @@ import numpy as np
 from ..describe.experiment import TIMES, Experiment, Table, held
 from ..describe.variables import Values
 from .block import Track
-from .realisation import lines
+from .lines import lines
 
 SPEED = 18.288
 """[m/s]"""

@@ -15,18 +15,11 @@ from scipy import signal
 
 from ..describe.variables import Values
 from .block import Track
-from .irregularity import LINE_ROWS, LINES, NODES, SPACING
+from .irregularity import NODES, SPACING
+from .lines import derived_values, lines
 from .spectra import CHANNELS
 
-
-def lines(values: Values) -> dict[str, np.ndarray]:
-    """Frequency [cycle/m], phase [turn], amplitude [m] of each channel's lines, (3, 300).
-
-    values: all parameter values of the block [SI].
-    """
-    derived = np.array(_derived(values)[: len(LINE_ROWS) * LINES * len(CHANNELS)])
-    table = derived.reshape(len(CHANNELS), LINES, len(LINE_ROWS))
-    return {channel: table[i, :, :3].T for i, channel in enumerate(CHANNELS)}
+__all__ = ["band_rms", "lines", "realisation", "rms", "spectrum"]
 
 
 def realisation(values: Values, length: float, start: float = 0.0) -> xarray.Dataset:
@@ -34,7 +27,7 @@ def realisation(values: Values, length: float, start: float = 0.0) -> xarray.Dat
 
     Report figure 5-5. values: all parameter values of the block [SI].
     """
-    block, derived = Track(), _derived(values)
+    block, derived = Track(), derived_values(values)
     first = math.floor(start / SPACING)
     count = math.floor(length / SPACING) + 1
     pages = range(first // NODES, (first + count - 1) // NODES + 1)
@@ -89,8 +82,3 @@ def histogram(y: np.ndarray, bins: int = 40) -> tuple[np.ndarray, np.ndarray, np
     exponent = (middle - np.mean(y)) ** 2 / (2 * deviation**2)  # erratum 14
     normal = np.exp(-exponent) / (deviation * math.sqrt(2 * math.pi))
     return edges, measured, normal
-
-
-def _derived(values: Values) -> np.ndarray:
-    block = Track()
-    return np.array(block.derived_function()(block.parameter_vector(values))).ravel()

@@ -15,7 +15,7 @@ import sys
 class Barrier:
     def find_spec(self, name, path=None, target=None):
         if name.partition(".")[0] in {hidden!r}:
-            raise ModuleNotFoundError(f"No module named {{name!r}} (hidden by the test)")
+            raise ModuleNotFoundError(f"No module named {{name!r}} (hidden by the test)", name=name)
 sys.meta_path.insert(0, Barrier())
 """
 

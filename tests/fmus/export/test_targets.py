@@ -171,13 +171,13 @@ def test_without_zig_only_the_host_can_be_built_for(monkeypatch):
     with pytest.raises(CompileError) as refusal:
         compiler_command(other)
     assert f"no compiler for {other.name}: a C compiler called cc" in str(refusal.value)
-    assert "python -m pip install ziglang" in str(refusal.value)
+    assert "pip install 'tracktrain[build]'" in str(refusal.value)
 
 
 def test_without_any_compiler_the_message_says_what_to_install(monkeypatch):
     monkeypatch.setattr(compiler.importlib.util, "find_spec", lambda name: None)
     monkeypatch.setattr(compiler.shutil, "which", lambda name: None)
-    with pytest.raises(CompileError, match=r"install ziglang|pip install ziglang`\), or a C com"):
+    with pytest.raises(CompileError, match=r"install ziglang|tracktrain\[build\]'`\), or a C com"):
         compiler_command(host_target())
 
 

@@ -167,7 +167,7 @@ def test_gauge_within_the_range_is_as_drawn_about_its_mean():
 
 def test_limited_gauge_has_the_slope_of_its_values():
     values = track_values("fra1", gauge_scale=2.0, wavelength_min=20.0)
-    track, derived = Track(), rails._derived(values)
+    track, derived = Track(), rails.derived_values(values)
     nodes = np.hstack([np.array(track.table.page(number, derived))[6:] for number in range(20)])
     slope = np.gradient(nodes[0], 0.1)[1:-1]
     assert nodes[1][1:-1] == pytest.approx(slope, abs=0.02 * np.abs(slope).max())
