@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fmus.catalogue import folder
 from support.python_process import run_script
 from support.source_tree import ROOT
 
@@ -32,6 +33,7 @@ print(*said("study", "sensitivity"))
 
 
 def test_a_run_loads_only_what_it_uses_and_needs_nothing_of_the_extra_build(tmp_path):
+    folder()  # which a wheel has
     hidden = ("casadi", "markdown_it", "ziglang")
     lines = run_script(SCRIPT, tmp_path, hidden, path=str(ROOT)).splitlines()
     assert lines[:4] == ["[]", "[]", "0 True", "[]"]
