@@ -15,6 +15,7 @@ from orchestrator import Level, Settling, State, Verdict, from_time, settling
 
 from ..car.hopper import layout_of
 from ..car.validity import Range, range_of
+from ..events import DERAILMENT, Event, events, nadal_rule
 from ..quantities import MOST
 from .standing import Standing, standing
 
@@ -33,16 +34,22 @@ class Part:
         return f"{self.name.capitalize()}: {self.level.value}. {self.text}"
 
 
-def parts(dataset: xr.Dataset, verdict: Verdict | None = None) -> list[Part]:
-    """The verdict on a run in parts, the worst first; the coupling's where it is given."""
-    known, found = range_of(dataset), [_answer(dataset)]
+def parts(
+    dataset: xr.Dataset, verdict: Verdict | None = None, whole: xr.Dataset | None = None
+) -> list[Part]:
+    """The verdict on a run in parts, the worst first; the coupling's where it is given.
+
+    whole: the run with the rows that its statistics leave out.
+    """
+    whole = dataset if whole is None else whole
+    known, found = range_of(whole), [_answer(dataset)]
     if verdict is not None:
         text = str(verdict).partition(". ")[2]
         found.insert(0, Part("coupling", verdict.level, text))
     if known.looked_at or _is_car(dataset):
         # A run that began outside is not mended by what is said of its coupling.
         began = any(departure.row == 0 for departure in known.departures)
-        found.insert(0 if began else 1, _range(known))
+        found.insert(0 if began else 1, _range(known, events(whole)))
     if _is_car(dataset):
         found.append(NUMBERS)
     return sorted(found, key=lambda part: ORDER.index(part.level))
@@ -113,20 +120,37 @@ def _settled(found: dict[str, Settling], stands: Standing | None) -> tuple[Level
     return Level.DOUBTFUL, f"Too short for statistics of {', '.join(unsettled)}; {todo}.{more}"
 
 
-def _range(known: Range) -> Part:
+def _range(known: Range, happened: list[Event]) -> Part:
     missing = _unknown(known)
+    derailed = [event for event in happened if event.kind == DERAILMENT]
+    if derailed:
+        missing = f" {_capital(_derailed(derailed))}{missing}"
     if known.departures:
         worst, *others = known.departures
         more = [f"{d.limit.beyond} (from {d.time:.3g} s, worst {d.found})" for d in others]
         said = f" Also outside: {'; '.join(more)}." if more else ""
-        level = Level.BAD if worst.limit.void else Level.DOUBTFUL
+        level = Level.BAD if worst.limit.void or derailed else Level.DOUBTFUL
         return Part("range", level, f"{_capital(str(worst))}.{said}{missing}")
+    if derailed:
+        return Part("range", Level.BAD, missing[1:])
     inside = "The run stayed inside the limits that its FMUs state."
     if not known.looked_at:
         return Part(
             "range", Level.UNKNOWN, missing[1:] or "The run does not say what its FMUs hold for."
         )
     return Part("range", Level.UNKNOWN if missing else Level.GOOD, f"{inside}{missing}")
+
+
+def _derailed(found: list[Event]) -> str:
+    """The first derailment, and what to do about it."""
+    rule = nadal_rule()
+    more = f", and {len(found) - 1} more" if len(found) > 1 else ""
+    return (
+        f"{found[0]}{more}; Nadal's limit is {rule.limit:.3g} over {rule.window:.3g} m "
+        f"({rule.source}). "
+        "No flange climbs in this model: what follows means nothing; lower the speed, or look at "
+        "the track there."
+    )
 
 
 def _unknown(known: Range) -> str:

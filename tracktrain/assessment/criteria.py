@@ -6,11 +6,11 @@ A measure has the name of its rule, a formula for a limit too.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import tan
 
 import numpy as np
 
 from ..car.layout import SIDES, Axle, Truck
+from ..events import nadal_rule
 from . import windows
 from .car import Array, Car
 from .rules import NotApplicableError, Rule, parameter, to_si
@@ -43,14 +43,9 @@ def limit(*keys: str) -> Callable[[Formula], Formula]:
     return register
 
 
-def nadal(flange_angle: float, friction: float) -> float:
-    """L/V at which a wheel begins to climb; angle [rad]. # Nadal"""
-    return (tan(flange_angle) - friction) / (1 + friction * tan(flange_angle))
-
-
 @limit("wheel_l_over_v")
 def _nadal(car: Car) -> float:
-    return nadal(parameter("flange_angle"), parameter("friction"))
+    return nadal_rule().limit
 
 
 @limit("net_axle_l_over_v")

@@ -19,6 +19,7 @@ from orchestrator import Provenance, Run
 from ..answer import parts
 from ..assessment import assess
 from ..errors import TracktrainError
+from ..events import nadal_rule
 from ..results import dataset_of
 from . import content, motion, series
 from .packing import compressed, packed
@@ -59,6 +60,8 @@ def page(dataset: xr.Dataset, bonds: pd.DataFrame | None = None) -> str:
         fmus=content.fmus(dataset),
         notes=provenance.notes,
         parts=parts(dataset),
+        events=content.happened(dataset),
+        nadal=nadal_rule(),
         versions=provenance.versions,
         assessment=table.reset_index().to_dict("records"),
         bonds=None if bonds is None else bonds.reset_index().to_dict("records"),
@@ -73,7 +76,14 @@ def page(dataset: xr.Dataset, bonds: pd.DataFrame | None = None) -> str:
 def _data(dataset: xr.Dataset) -> tuple[str, str, int]:
     """What the scripts know of the run: JSON, and the arrays that it indexes; rows of a bin."""
     said, arrays, width = series.signals(dataset)
-    known: dict[str, Any] = {"signals": said, "first": series.first(dataset)}
+    known: dict[str, Any] = {
+        "signals": said,
+        "first": series.first(dataset),
+        "events": [
+            {"kind": e.kind, "place": e.place, "from": e.time, "to": e.time + e.duration}
+            for e in content.happened(dataset)
+        ],
+    }
     for name, part in (("scene", motion.scene(dataset)), ("modes", motion.modes(dataset))):
         known[name] = part[0] if part else None
         arrays |= part[1] if part else {}

@@ -15,6 +15,7 @@ from orchestrator import Provenance
 
 from ..assessment import EXCEEDED, PASSED
 from ..car.hopper import layout_of
+from ..events import Event, events, gravest
 from ..results import mean_speed
 from ..scales import FOOT, MILE_PER_HOUR, three_digits
 
@@ -63,6 +64,15 @@ def facts(dataset: xr.Dataset, table: pd.DataFrame, bonds: pd.DataFrame | None) 
         residual = f"{bonds['residual over passed'].max():.1e}"
         found.append(Fact("energy residual", residual, "of the energy that passed, at most"))
     return found
+
+
+MOST_EVENTS = 100
+"""Events that a page lists and marks."""
+
+
+def happened(dataset: xr.Dataset) -> list[Event]:
+    """The gravest events."""
+    return gravest(events(dataset))[:MOST_EVENTS]
 
 
 def parameters(dataset: xr.Dataset) -> list[dict[str, Any]]:

@@ -13,10 +13,11 @@ from click.testing import CliRunner
 
 from tolerances import BAND_PASS_ENDS
 from tracktrain.assessment import assess
-from tracktrain.assessment.criteria import LIMITS, MEASURES, nadal
+from tracktrain.assessment.criteria import LIMITS, MEASURES
 from tracktrain.assessment.rules import rules
 from tracktrain.car.hopper import HOPPER
 from tracktrain.cli.main import main
+from tracktrain.events import nadal
 
 SPEED, RATE, GRAVITY = 18.288, 1000, 9.80665
 AXLE_LOAD = 50 * 4448.2216152605  # 50 kip

@@ -33,14 +33,19 @@ def command(folder: Path, quiet: bool) -> None:
     Limits marked with * were not read in their source and are to be checked before they are quoted.
     """
     from ...assessment import assess as assessed
+    from ...events import events
     from ...results import opened
     from ...terminal import print_whole
+    from ..events import print_events, write_events
 
-    table = assessed(opened(folder))
+    dataset = opened(folder)
+    table, found = assessed(dataset), events(dataset)
     table.to_csv(folder / ASSESSMENT)
+    write_events(found, folder)
     if not quiet:
         console = Console()
         print_whole(console, _shown(table))
+        print_events(console, found)
         console.print("for comparison: the rule is for other vehicles, track or speeds (its scope)")
         console.print("* not verified: recalled from the source, check it before quoting it")
         written = f"filters, windows, scopes and sources: {folder / ASSESSMENT}"

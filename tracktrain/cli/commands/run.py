@@ -44,8 +44,6 @@ from ...options.trust import shown, trust_options, trusted
 from ...terminal import writable
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from orchestrator import Run
 
     from ...answer import Part
@@ -230,17 +228,26 @@ def _write(result: Run, folder: Path, csv: bool, page: bool) -> list[str]:
 def _judge(result: Run, counting: Counting, folder: Path, lost: list[str], quiet: bool) -> None:
     """Say the verdict in parts in the results, and with the table at the end."""
     from ...answer import parts
+    from ...events import events
+    from ..events import print_events, write_events
+    from ..summary import print_summary
 
     try:
         dataset = counting.counted(result.dataset)
     except ValueError as error:
         dataset, lost = result.dataset, [*lost, f"{error}; all of it is counted"]
-    judged = parts(dataset, result.verdict)
+    found = events(result.dataset)
+    judged = parts(dataset, result.verdict, whole=result.dataset)
     lost = [*lost, *_say(judged, folder)]
+    write_events(found, folder)
     if quiet:
         return
     console = Console()
-    _print(console, result, dataset, [*result.notes, *lost], folder)
+    print_summary(console, result, dataset)
+    print_events(console, found)
+    for note in [*result.notes, *lost]:
+        console.print(f"note: {note}", style="dim", markup=False, highlight=False)
+    console.print(f"results.nc and pictures are in {folder}", markup=False, highlight=False)
     for part in judged:
         console.print(str(part), style=STYLES[part.level.value], markup=False, highlight=False)
 
@@ -253,17 +260,6 @@ def _say(judged: list[Part], folder: Path) -> list[str]:
     except (OSError, orchestrator.ResultsError) as error:
         return [f"results.nc does not say the verdict in parts: {error}"]
     return []
-
-
-def _print(
-    console: Console, result: Run, dataset: xr.Dataset, notes: list[str], folder: Path
-) -> None:
-    from ..summary import print_summary
-
-    print_summary(console, result, dataset)
-    for note in notes:
-        console.print(f"note: {note}", style="dim", markup=False, highlight=False)
-    console.print(f"results.nc and pictures are in {folder}", markup=False, highlight=False)
 
 
 Report = Callable[[float, float], None]

@@ -12,6 +12,13 @@ async function begin() {
     plots.mark(time);
   };
   if (known.scene) players.push(runPlayer(arrays, whenMoved));
+  for (const button of document.querySelectorAll("button.seek")) {
+    button.disabled = !players.length;
+    button.addEventListener("click", () => {
+      players[0].seek(Number(button.dataset.time) - known.scene.start);
+      document.getElementById("motion").scrollIntoView();
+    });
+  }
   if (known.modes) players.push(modePlayer(arrays));
   await loadPlotly();
   plots = new Plots(arrays);

@@ -34,11 +34,23 @@ class Player {
     const views = element("div", { className: "views", role: "group", ariaLabel: "View" }, ...Object.keys(VIEWS).map((view) =>
       element("button", { type: "button", textContent: view, onclick: () => this.scene.look(view) })));
     place.append(
-      this.button, this.slider, this.clock,
+      this.button, element("span", { className: "timeline" }, this.slider, ...this.marks()), this.clock,
       element("label", { htmlFor: speed.id }, "speed ", speed),
       element("label", { htmlFor: gain.id }, "amplified ", gain, said),
       views);
     this.label();
+  }
+
+  // Events of the run under its slider.
+  marks() {
+    const { duration, start, loops } = this.options;
+    return (loops ? [] : known.events).map(({ kind, place, from, to }) => {
+      const mark = element("span", { className: "event", title: `${kind}: ${place}, ${from.toFixed(2)} s` });
+      mark.style.left = `${(100 * (from - start)) / duration}%`;
+      mark.style.width = `max(3px, ${(100 * (to - from)) / duration}%)`;
+      mark.style.background = `var(--${KINDS[kind]})`;
+      return mark;
+    });
   }
 
   label() {
@@ -135,7 +147,7 @@ function runPlayer(arrays, whenMoved) {
     return `${(start + time).toFixed(2)} s`;
   };
   const amplification = { least: 1, most: 1000, value: sensible(arrays) };
-  const options = { duration: step * (count - 1), loops: false, speeds: [0.1, 0.25, 0.5, 1, 2], speed: 0.5, amplification };
+  const options = { start, duration: step * (count - 1), loops: false, speeds: [0.1, 0.25, 0.5, 1, 2], speed: 0.5, amplification };
   return new Player(scene, document.getElementById("car-controls"), options, show);
 }
 

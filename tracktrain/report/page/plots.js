@@ -3,6 +3,7 @@
 const PALETTE = ["c1", "c2", "c3", "c4", "c5", "c6", "c7", "c8"];
 const BUTTONS = [["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "resetScale2d"], ["toImage"]];
 const MOST_PICKED = 12;
+const KINDS = { derailment: "bad", "above Nadal": "c5", "wheel lift": "c4" }; // colours of events
 const DEPTH = 1e-9; // of a spectrum below its peak, beyond which there is only rounding
 
 class Plots {
@@ -109,8 +110,11 @@ class Plots {
     });
     const config = { responsive: true, displaylogo: false, modeBarButtons: BUTTONS };
     const own = (unit) => (unit === "1" ? "" : `[${unit}]`);
-    Plotly.react("time-plot", traces(time.data, signals, 1),
-      this.layout(units, "time [s]", { x: { range: [time.data[0], time.data.at(-1)] }, y: own, yaxis: {} }, 150), config);
+    const layout = this.layout(units, "time [s]", { x: { range: [time.data[0], time.data.at(-1)] }, y: own, yaxis: {} }, 150);
+    this.events = known.events.map(({ kind, from, to }) => ({
+      type: "rect", layer: "below", xref: "x", yref: "paper", x0: from, x1: to, y0: 0, y1: 1,
+      fillcolor: colour(KINDS[kind]), opacity: 0.12, line: { color: colour(KINDS[kind]), width: 1 } }));
+    Plotly.react("time-plot", traces(time.data, signals, 1), { ...layout, shapes: this.events }, config);
     const per = (unit) => (unit === "1" ? "[1/Hz]" : `[(${unit})²/Hz]`);
     Plotly.react("spectrum-plot", traces(frequency.data, density, 2),
       this.layout(units, "frequency [Hz]", { x: { type: "log" }, y: per, yaxis: { type: "log", exponentformat: "power", nticks: 5 } }, 150), config);
@@ -120,6 +124,6 @@ class Plots {
   mark(time) {
     if (!document.getElementById("time-plot").layout) return;
     const line = { type: "line", xref: "x", yref: "paper", x0: time, x1: time, y0: 0, y1: 1, line: { color: colour("accent"), width: 1 } };
-    Plotly.relayout("time-plot", { shapes: [line] });
+    Plotly.relayout("time-plot", { shapes: [...this.events, line] });
   }
 }

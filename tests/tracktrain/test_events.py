@@ -1,0 +1,92 @@
+"""Events of a run: when a wheel passed Nadal's limit or left its rail, and for how long."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+from tracktrain import events as module
+from tracktrain.answer import parts
+from tracktrain.cli.main import main
+from tracktrain.events import ABOVE, DERAILMENT, LIFT, events, nadal_rule
+
+STEP, SPEED = 0.01, 20.0
+LIMIT = nadal_rule().limit
+
+
+def run_of(ratio=(), lifted=(), rows=100):
+    """A run of the car at 20 m/s whose leading left wheel is beyond in these rows."""
+    time = STEP * np.arange(rows)
+    over, load = np.full(rows, 0.1), np.full(rows, 1e5)
+    over[list(ratio)], load[list(lifted)] = -1.5 * LIMIT, 0.0
+    columns = {
+        "wheelset_11.left.l_over_v": (over, "1"),
+        "truck_front.axle[1].load_left": (load, "N"),
+        "track.distance": (SPEED * time, "m"),
+    }
+    return xr.Dataset(
+        {name: ("time", row, {"units": unit}) for name, (row, unit) in columns.items()},
+        {"time": ("time", time, {"units": "s"})},
+    )
+
+
+def test_a_wheel_beyond_nadal_over_five_feet_derails_and_over_less_does_not():
+    enough = int(np.ceil(nadal_rule().window / (STEP * SPEED)))
+    (event,) = events(run_of(ratio=range(10, 10 + enough)))
+    assert (event.kind, event.place) == (DERAILMENT, "wheelset_11 left")
+    assert (event.time, event.station) == (pytest.approx(0.1), pytest.approx(2.0))
+    assert event.distance >= nadal_rule().window
+    assert event.value == pytest.approx(1.5 * LIMIT)
+    (short,) = events(run_of(ratio=range(10, 9 + enough)))
+    assert short.kind == ABOVE
+
+
+def test_nadal_stands_as_the_rule_of_the_assessment_has_it():
+    assert pytest.approx(1.128, abs=1e-3) == LIMIT
+    assert nadal_rule().window == pytest.approx(5 * 0.3048)
+    assert "49 CFR 213.333" in nadal_rule().source
+
+
+def test_a_wheel_without_load_is_lifted_for_as_long_as_it_has_none():
+    first, second = events(run_of(lifted=[20, 21, 22, 50]))
+    assert (first.kind, first.time, first.duration) == (
+        LIFT,
+        pytest.approx(0.2),
+        pytest.approx(0.03),
+    )
+    assert second.duration == pytest.approx(STEP)
+
+
+def test_an_event_over_the_edge_of_two_chunks_is_one(monkeypatch):
+    whole = events(run_of(ratio=range(10, 40), lifted=[0, 99]))
+    chunked = module.chunks
+    monkeypatch.setattr(module, "chunks", lambda data, names: chunked(data, names, size=7))
+    assert events(run_of(ratio=range(10, 40), lifted=[0, 99])) == whole
+    assert [event.ended for event in whole] == [True, True, False]
+
+
+def test_a_run_of_no_car_has_no_events():
+    pump = xr.Dataset({"pump.flow": ("time", [1.0, 2.0])}, {"time": [0.0, 1.0]})
+    assert events(pump) == []
+
+
+def test_a_derailment_makes_the_range_bad_and_says_what_to_do():
+    ranged = next(part for part in parts(run_of(ratio=range(10, 40))) if part.name == "range")
+    assert ranged.level.value == "bad"
+    assert (
+        "derailment: wheelset_11 left from t = 0.1 s (2 m along the track)" in ranged.text.lower()
+    )
+    assert "lower the speed" in ranged.text
+
+
+def test_assess_prints_the_events_and_leaves_them_as_a_table(tmp_path):
+    run_of(ratio=range(10, 40)).to_netcdf(tmp_path / "results.nc")
+    said = CliRunner().invoke(main, ["assess", str(tmp_path)], terminal_width=120)
+    assert said.exit_code == 0, said.output
+    assert "derailment" in said.output and "Nadal's limit 1.13" in said.output
+    assert (tmp_path / "events.csv").read_text().count("\n") == 2
+    run_of().to_netcdf(tmp_path / "results.nc")
+    assert "derailment" not in CliRunner().invoke(main, ["assess", str(tmp_path)]).output
+    assert not (tmp_path / "events.csv").exists()
