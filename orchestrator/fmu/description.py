@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from math import inf
 
 from ..errors import ValueRefusedError, choices
+from ..summary import Rows, Summarised, listed
 from .types import TYPES
 from .units import Definitions, Unit
 
@@ -149,8 +150,8 @@ class Limit:
     void: bool = False
 
 
-@dataclass(frozen=True)
-class Description:
+@dataclass(frozen=True, repr=False)
+class Description(Summarised):
     """An FMU for one of its interfaces: its variables, what it can do, and where its binary is.
 
     failure_categories: those of the standard's log categories for what goes wrong that it has.
@@ -191,6 +192,22 @@ class Description:
     reads_any_time: bool = True
     late: tuple[str, ...] = ()
     limits: tuple[Limit, ...] | None = None
+
+    def _summary(self) -> Rows:
+        of = {
+            kind: [v.label for v in self.variables.values() if v.causality == kind]
+            for kind in ("parameter", "input", "output")
+        }
+        able = {
+            "interpolates inputs": self.interpolates_inputs,
+            "directional derivatives": self.gives_derivatives,
+            "saves its state": self.saves_state,
+        }
+        return {
+            "FMU": f"{self.label} (FMI {self.fmi_version})",
+            **{f"{kind}s": listed(names) for kind, names in of.items() if names},
+            "can": listed([what for what, is_so in able.items() if is_so]) or "step",
+        }
 
     def as_of_steps(self) -> Description:
         """The same, outputs being read right after a step only: none follows an input at once."""

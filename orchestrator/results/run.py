@@ -12,9 +12,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ..errors import ResultsError, choices
 from ..fmu.description import Variable
 from ..run.outcome import Outcome
 from ..run.texts import Changes, write_texts
+from ..summary import Rows, Summarised
 from ..trust.findings import Evidence, Verdict
 from ..trust.verdict import judge
 from . import csv_table
@@ -53,8 +55,8 @@ class Statistics:
     iterations: tuple[Iterations, ...] = ()
 
 
-@dataclass
-class Run:
+@dataclass(repr=False)
+class Run(Summarised):
     """A run, also one that stopped early; then `outcome` is why, and what came before is kept.
 
     record: values [the variables' units], shape (times, variables). path: the file that was written
@@ -73,6 +75,28 @@ class Run:
     path: Path | None = None
     texts: Changes = field(default_factory=dict)
     evidence: Evidence = field(default_factory=Evidence)
+
+    def _summary(self) -> Rows:
+        rows, values = len(self.time), len(self.variables)
+        kept = {"in": str(self.path)} if self.path else {}
+        return {
+            "Run": f"{self.time[0]:g} to {self.time[-1]:g} s, {rows} rows of {values} variables",
+            "ended": "as asked" if self.outcome is None else f"early: {self.outcome}",
+            "coupling": str(self.verdict),
+            "speed": f"{self.real_time_factor:.3g} x real time",
+            **kept,
+        }
+
+    def __getitem__(self, name: str) -> xr.DataArray:
+        """The values of "instance.variable" over time; raises ResultsError."""
+        if name not in self.dataset:
+            raise ResultsError(
+                f"the run has no '{name}'; {choices(name, [n for n, _ in self.variables])}"
+            )
+        return self.dataset[name]
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return [name for name, _ in self.variables]
 
     @property
     def completed(self) -> bool:

@@ -7,15 +7,20 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..errors import CouplingError, FmuError, choices
 from ..fmu.description import CO_SIMULATION, MODEL_EXCHANGE
 from ..fmu.given import in_unit
 from ..fmu.port_map import PortMap
 from ..fmu.read import describe
+from ..summary import Rows, Summarised, listed
 from .profile import Profile
 from .source import Source
 from .transformation import IDENTITY, Transformation
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Value = float | int | bool | str | list["Value"] | tuple["Value", ...]
 """A number in the variable's unit, or text: a quantity ("200 lbf/in"), an enumeration's item.
@@ -45,6 +50,11 @@ class Component:
     def __post_init__(self) -> None:
         if isinstance(self.fmu, str):
             object.__setattr__(self, "fmu", Path(self.fmu))
+
+    @property
+    def label(self) -> str:
+        """What stands for it, in a word."""
+        return self.fmu.name if isinstance(self.fmu, Path) else type(self.fmu).__name__
 
     @property
     def file(self) -> Path | None:
@@ -87,8 +97,8 @@ class Experiment:
                 object.__setattr__(self, stated.name, in_unit(given, "s", stated.name))
 
 
-@dataclass(frozen=True)
-class System:
+@dataclass(frozen=True, repr=False)
+class System(Summarised):
     """Instances by name, and how they are connected. Without `bonds` these are found by unit.
 
     notes: what the reader of a file has to say about it; a run repeats them.
@@ -112,6 +122,25 @@ class System:
         )
         object.__setattr__(self, "components", components)
         object.__setattr__(self, "connections", connections)
+
+    def _summary(self) -> Rows:
+        stop, step = self.experiment.stop, self.experiment.step
+        timed = {} if stop is None else {"experiment": f"to {stop:g} s by {step or STEP:g} s"}
+        return {
+            "System": f"{len(self.components)} components, {len(self.connections)} connections",
+            "of": listed([f"{name} ({c.label})" for name, c in self.components.items()]),
+            **timed,
+        }
+
+    def plot(self) -> Figure:
+        """A diagram of the components, and how many connections go from one to the other.
+
+        Raises CouplingError for more than `diagram.MOST` components.
+        """
+        from .diagram import diagram
+
+        boxes = {name: component.label for name, component in self.components.items()}
+        return diagram(boxes, ((c.source, c.target) for c in self.connections))
 
     def with_fmu(self, instance: str, fmu: Path | Source, ports: PortMap | None = None) -> System:
         """The same system with another FMU in an instance's place; its values are kept."""
