@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.box import SIMPLE_HEAD
@@ -46,6 +46,21 @@ def print_summary(console: Console, run: Run, counted: xr.Dataset) -> None:
     )
     print_whole(console, _responses(counted, chosen))
     print_whole(console, _quality(run))
+
+
+def numbers(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """The statistics of the table by variable, each with its interval, in the variable's unit."""
+    shown = (
+        row[0] for rows in (_known(dataset) or _first(dataset)).values() for row in rows.values()
+    )
+    return {
+        variable: {
+            "unit": dataset[variable].attrs.get("units", ""),
+            **{name: found(dataset[variable]) for name, found in STATISTICS.items()},
+            "dominant frequency [Hz]": dominant(dataset[variable]),
+        }
+        for variable in shown
+    }
 
 
 def _responses(dataset: xr.Dataset, chosen: Sequence[str]) -> Table:

@@ -21,7 +21,17 @@ if TYPE_CHECKING:
 
     from orchestrator import Log, System
 
-RESUMED = ("resume", "csv", "page", "quiet", "log", "log_level", "statistics_from", "settle")
+RESUMED = (
+    "resume",
+    "csv",
+    "page",
+    "quiet",
+    "as_json",
+    "log",
+    "log_level",
+    "statistics_from",
+    "settle",
+)
 """Options that a run which goes on may still have."""
 
 REPEATED = (*RESUMED, "again", "out")

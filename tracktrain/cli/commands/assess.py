@@ -10,6 +10,8 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from ..as_json import json_option, print_json
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -25,8 +27,9 @@ Examples:
   tracktrain assess tracktrain-results"""
 )
 @click.argument("folder", type=click.Path(path_type=Path), metavar="DIR")
+@json_option
 @click.option("--quiet", is_flag=True, help="Print errors only.")
-def command(folder: Path, quiet: bool) -> None:
+def command(folder: Path, as_json: bool, quiet: bool) -> None:
     """Assess the run in DIR: wheel forces, stability and ride against the limits of the field.
 
     Every quantity comes with its filter, window, limit and source; assessment.csv has them all.
@@ -42,7 +45,9 @@ def command(folder: Path, quiet: bool) -> None:
     table, found = assessed(dataset), events(dataset)
     table.to_csv(folder / ASSESSMENT)
     write_events(found, folder)
-    if not quiet:
+    if as_json:
+        print_json(assessment=table, events=found)
+    elif not quiet:
         console = Console()
         print_whole(console, _shown(table))
         print_events(console, found)

@@ -10,6 +10,7 @@ from rich.console import Console
 
 from ...options.span import span_options
 from ...terminal import plain_console, print_whole, printable, writable
+from ..as_json import json_option, print_json
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -42,6 +43,7 @@ Examples:
     show_default=True,
     help="Folder for the page, the tables and the pictures.",
 )
+@json_option
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
 def command(
@@ -51,6 +53,7 @@ def command(
     begin: float | None,
     end: float | None,
     out: Path,
+    as_json: bool,
     quiet: bool,
 ) -> None:
     """Put runs beside each other: what differs in what was run, then in what came out.
@@ -62,7 +65,9 @@ def command(
 
     found = compare(runs, signals, begin, end)
     written = write_comparison(found, writable(out), ctx.meta.get("command", ""))
-    if quiet:
+    if as_json:
+        print_json(differences=found.differences, numbers=found.numbers, notes=found.notes)
+    if quiet or as_json:
         return
     console, tables = plain_console(), Console()
     if len(found.differences):

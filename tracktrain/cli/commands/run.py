@@ -42,6 +42,7 @@ from ...options.run import (
 )
 from ...options.trust import shown, trust_options, trusted
 from ...terminal import writable
+from ..as_json import json_option, print_json
 
 if TYPE_CHECKING:
     from orchestrator import Run
@@ -50,6 +51,9 @@ if TYPE_CHECKING:
 
 PARTS = "answer"
 """Attribute of the results that has the verdict in parts, a line each."""
+
+TEXT, JSON, NOTHING = "text", "json", "nothing"
+"""In which form a run is told at the end."""
 
 STYLES = {"good": "bold green", "unknown": "bold", "doubtful": "bold yellow", "bad": "bold red"}
 """How a verdict is shown, by its level."""
@@ -109,6 +113,7 @@ Examples:
     callback=lambda ctx, _, asked: _print_schema(ctx) if asked else None,
     help="Print the JSON schema of such files, for an editor.",
 )
+@json_option
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
 def command(
@@ -117,6 +122,7 @@ def command(
     ssd: str | None,
     out: Path,
     save: Path | None,
+    as_json: bool,
     quiet: bool,
     **options: Any,
 ) -> None:
@@ -168,7 +174,7 @@ def command(
     experiment = system.experiment
     span = (experiment.stop or 0.0) - (experiment.start or 0.0)
     with (
-        _progress(span, quiet) as (stage, progress),
+        _progress(span, quiet or as_json) as (stage, progress),
         logged(ctx, kept.log, kept.log_level) as logger,
         termination_as_interrupt(),
     ):
@@ -184,7 +190,7 @@ def command(
         lost = _write(result, folder, kept.csv, kept.page)
     if result.completed:
         shutil.rmtree(folder / FMUS_OF_CHECKPOINT, ignore_errors=True)
-    _judge(result, counting, folder, lost, quiet)
+    _judge(result, counting, folder, lost, JSON if as_json else NOTHING if quiet else TEXT)
     if not result.completed:
         message = result.message or "the run stopped early"
         hint = f"; go on with --resume {folder}" if how["checkpoint"] or resume else ""
@@ -225,12 +231,12 @@ def _write(result: Run, folder: Path, csv: bool, page: bool) -> list[str]:
     return []
 
 
-def _judge(result: Run, counting: Counting, folder: Path, lost: list[str], quiet: bool) -> None:
-    """Say the verdict in parts in the results, and with the table at the end."""
+def _judge(result: Run, counting: Counting, folder: Path, lost: list[str], form: str) -> None:
+    """Say the verdict in parts in the results, and with the statistics at the end, in a form."""
     from ...answer import parts
     from ...events import events
     from ..events import print_events, write_events
-    from ..summary import print_summary
+    from ..summary import numbers, print_summary
 
     try:
         dataset = counting.counted(result.dataset)
@@ -240,7 +246,19 @@ def _judge(result: Run, counting: Counting, folder: Path, lost: list[str], quiet
     judged = parts(dataset, result.verdict, whole=result.dataset)
     lost = [*lost, *_say(judged, folder)]
     write_events(found, folder)
-    if quiet:
+    if form == JSON:
+        print_json(
+            folder=folder,
+            completed=result.completed,
+            message=result.message,
+            real_time_factor=result.real_time_factor,
+            statistics=numbers(dataset),
+            verdict=judged,
+            events=found,
+            bonds=result.bonds,
+            notes=[*result.notes, *lost],
+        )
+    if form != TEXT:
         return
     console = Console()
     print_summary(console, result, dataset)

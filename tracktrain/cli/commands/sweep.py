@@ -12,6 +12,7 @@ from ...failures import Stopped, termination_as_interrupt
 from ...options.chosen import refuse_options, system_options
 from ...options.master import master_options
 from ...terminal import print_whole, printable, progress_bar, writable
+from ..as_json import json_option, print_json
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -65,6 +66,7 @@ Examples:
     metavar="DIR",
     help="Folder for the table and pictures; a sweep that was stopped goes on there.",
 )
+@json_option
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
 def command(
@@ -74,6 +76,7 @@ def command(
     workers: int | None,
     scheduler: str | None,
     out: Path,
+    as_json: bool,
     quiet: bool,
     **options: Any,
 ) -> None:
@@ -91,7 +94,7 @@ def command(
         refuse_options(ctx, [axis.name], f"{axis.name} is swept over")
     folder = writable(out)
     try:
-        with progress_bar("sweep", hidden=quiet) as progress, termination_as_interrupt():
+        with progress_bar("sweep", hidden=quiet or as_json) as progress, termination_as_interrupt():
             table = run_sweep(
                 found,
                 out=folder,
@@ -107,7 +110,9 @@ def command(
             "on with the others"
         ) from None
     write_pictures(table, folder)
-    if not quiet:
+    if as_json:
+        print_json(runs=table)
+    elif not quiet:
         _print(table, [axis.digest for axis in found], folder)
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import click
 from rich.console import Console
 
+from ...cli.as_json import json_option, print_json
 from ...errors import TracktrainError
 from ...terminal import print_whole, printable, progress_bar, writable
 from .outcome import Outcome
@@ -26,16 +27,19 @@ def study_command(
     def decorate(function: Callable[..., Outcome]) -> click.Command:
         moves = "progress" in function.__annotations__
 
-        def run(out: Path | None, quiet: bool, **given: Any) -> None:
+        def run(out: Path | None, quiet: bool, as_json: bool, **given: Any) -> None:
             folder = writable(out or Path(f"tracktrain-{name}"))
-            with progress_bar(name, hidden=quiet) as progress:
+            with progress_bar(name, hidden=quiet or as_json) as progress:
                 outcome = function(**given, **({"progress": progress} if moves else {}))
             try:
                 outcome.write(folder)
             except OSError as error:
                 reason = (error.strerror or str(error)).lower()
                 raise TracktrainError(f"'{folder}' cannot be written to ({reason})") from None
-            if not quiet:
+            if as_json:
+                found = {"title": outcome.title, "tables": outcome.tables, "notes": outcome.notes}
+                print_json(**found, folder=folder)
+            elif not quiet:
                 _print(outcome, folder)
 
         run.__doc__ = function.__doc__
@@ -48,6 +52,7 @@ def study_command(
                 metavar="DIR",
                 help=f"Folder for data, tables and pictures.  [default: tracktrain-{name}]",
             ),
+            json_option,
             click.option("--quiet", is_flag=True, help="Print errors only."),
         ]
         for option in decorators:
