@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import tomllib
 from fnmatch import fnmatch
 
 import pytest
@@ -153,3 +154,10 @@ def test_each_blocks_folder_has_the_same_shape():
 
 def test_the_licence_in_the_fmus_is_the_projects():
     assert (ROOT / "fmus/export/license.txt").read_text() == (ROOT / "LICENSE").read_text()
+
+
+def test_the_version_is_one():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    citation = (ROOT / "CITATION.cff").read_text()
+    assert f"version: {project['version']}\n" in citation
+    assert f"## {project['version']}" in (ROOT / "CHANGELOG.md").read_text()
