@@ -18,6 +18,7 @@ from .criteria import LIMITS, MEASURES
 from .rules import NotApplicableError, Rule, from_si, rules
 
 PASSED, EXCEEDED, NO_LIMIT = "passed", "exceeded", "no limit"
+NOT_EXCITED = "not excited"
 NOTHING = {"place": "", "value": float("nan"), "limit": float("nan"), "share": float("nan")}
 
 
@@ -26,9 +27,10 @@ def assess(run: xr.Dataset | Run | Path | str) -> pd.DataFrame:
 
     run: it, its dataset, or the folder that it wrote.
     Columns: place (of the worst value), value, limit, unit, share (of the limit; of wheel loads
-    that of the admissible unloading), result (passed, exceeded, no limit, or not applicable and
-    why), applies (whether the run is what the rule is for; else it is shown for comparison), scope,
-    statistic, filter, window, formula, source, verified (whether the limit was read there), quote.
+    that of the admissible unloading), result (passed, exceeded, no limit, not excited where nothing
+    moved of what the rule looks at, or not applicable and why), applies (whether the run is what
+    the rule is for; else it is shown for comparison), scope, statistic, filter, window, formula,
+    source, verified (whether the limit was read there), quote.
     """
     try:
         car: Car | NotApplicableError = Car(dataset_of(run))
@@ -64,7 +66,10 @@ def _found(car: Car | NotApplicableError, rule: Rule) -> dict[str, object]:
     if rule.inapplicable:
         raise NotApplicableError(rule.inapplicable)
     worst = min if rule.at_least else max
+    car.excited()
     place, value = worst(MEASURES[rule.key](car, rule), key=lambda found: found[1])
+    if not car.excited():
+        return {**NOTHING, "result": NOT_EXCITED}
     value = from_si(float(value), rule.unit)
     if not rule.judged:
         return {**NOTHING, "place": place, "value": value, "result": NO_LIMIT}

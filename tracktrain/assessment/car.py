@@ -21,6 +21,9 @@ Array = NDArray[np.float64]
 SAMPLES_PER_CYCLE = 4
 """At the upper corner of a filter, at least."""
 
+ROUNDING = 1e-12
+"""Share of a wheel load within which it stands still."""
+
 LONG_ENOUGH = 1 - 1e-9
 """Share of a window at which a run is as long as it, to rounding."""
 
@@ -35,8 +38,22 @@ class Car:
             raise NotApplicableError("the run has no more than one row")
         self.rate = (len(self.time) - 1) / float(self.time[-1] - self.time[0])
         self._parameters = Provenance.of(dataset).parameters
+        self._moved: list[bool] = []
 
     def __getitem__(self, name: str) -> Array:
+        values = self._read(name)
+        self._moved.append(bool(values.any()))
+        return values
+
+    def excited(self) -> bool:
+        """Whether any signal that was taken since the last call left its rest; True where none was.
+
+        Loads rest at what they carry, everything else at zero.
+        """
+        moved, self._moved = self._moved, []
+        return any(moved) or not moved
+
+    def _read(self, name: str) -> Array:
         if name not in self._dataset:
             raise NotApplicableError(f"the run has no {name}")
         return np.asarray(self._dataset[name].values, dtype=float)
@@ -50,7 +67,7 @@ class Car:
     @cached_property
     def distance(self) -> Array:
         """Way run since the start [m]."""
-        way = self[self.layout.distance]
+        way = self._read(self.layout.distance)
         return way - way[0]
 
     @cached_property
@@ -62,12 +79,14 @@ class Car:
 
     def load(self, axle: Axle, side: str, rule: Rule) -> Array:
         """Vertical force of a wheel on its rail [N]."""
-        return self.filtered(self[f"{axle.port}.load_{side}"], rule.band)
+        load = self._read(f"{axle.port}.load_{side}")
+        self._moved.append(bool(np.ptp(load) > ROUNDING * np.abs(load).max()))
+        return self.filtered(load, rule.band)
 
     def lateral(self, axle: Axle, side: str, rule: Rule) -> Array:
         """Outward force of a wheel on its rail [N]."""
         ratio = self[f"{axle.wheelset}.{side}.l_over_v"]
-        load = self[f"{axle.port}.load_{side}"]
+        load = self._read(f"{axle.port}.load_{side}")
         return self.filtered(ratio * load, rule.band)
 
     def net_lateral(self, axle: Axle, rule: Rule) -> Array:

@@ -109,6 +109,9 @@ def _first(dataset: xr.Dataset) -> Mapping[str, Mapping[str, tuple[str, Scale]]]
 
 def _statistics(values: xr.DataArray, scale: Scale, chosen: Sequence[str]) -> list[str]:
     moves = values.size > 2 and bool(np.any(values.values != values.values[0]))
+    width = 2 * (len(chosen) + 1) if chosen else 3
+    if not moves and not np.any(values.values):
+        return [*["-"] * (width - 1), "not excited"]
     if not chosen:
         frequency = f"{dominant_frequency(values):.2f} Hz" if moves else "-"
         return [scale.numbers(rms(values)), scale.numbers(peak(values)), frequency]

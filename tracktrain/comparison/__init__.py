@@ -20,7 +20,7 @@ from ..errors import TracktrainError
 from ..quantities import shown_quantities
 from ..report.sheet import png, sheet
 from .differences import differences, remarks
-from .numbers import numbers, unsettled
+from .numbers import numbers, still, unsettled
 from .pictures import signals, spectra
 from .runs import named, within
 
@@ -59,7 +59,7 @@ def compare(
     whole = named(places)
     runs = {name: within(name, data, begin, end) for name, data in whole.items()}
     shown = shown_quantities(runs, asked)
-    notes = [*remarks(runs, shown, begin, end), *unsettled(runs, shown)]
+    notes = [*remarks(runs, shown, begin, end), *still(runs, shown), *unsettled(runs, shown)]
     return Comparison(runs, shown, differences(whole), numbers(runs, shown), notes)
 
 

@@ -67,7 +67,10 @@ def remarks(
         if without:
             found.append(f"{quantity.variable} is not in {', '.join(without)}")
     if _same_bits(list(runs.values()), shown):
-        found.append("the runs have the same values to the last bit in all signals compared")
+        said = "the runs have the same values to the last bit in all signals compared"
+        rows = differences(runs).index
+        changed = [f"{of} {name}".strip() for kind, name, of in rows if kind == "parameter"]
+        found.append(f"{said}: {'; '.join(changed)} had no say" if changed else said)
     for name, data in runs.items():
         if verdict := str(data.attrs.get("verdict", "")):
             found.append(f"{name}: {verdict}")

@@ -55,6 +55,17 @@ def unsettled(runs: Mapping[str, xr.Dataset], shown: Sequence[Shown]) -> list[st
     return remarks
 
 
+def still(runs: Mapping[str, xr.Dataset], shown: Sequence[Shown]) -> list[str]:
+    """For each run in which signals do not move, a remark."""
+    remarks = []
+    for name, data in runs.items():
+        present = (q for q in shown if q.variable in data)
+        found = [q.label for q in present if not data[q.variable].values.any()]
+        if found:
+            remarks.append(f"not excited in {name}: {', '.join(found)}")
+    return remarks
+
+
 def _rows(
     runs: Mapping[str, xr.Dataset], quantity: Shown
 ) -> list[tuple[tuple[str, str], list[Estimate]]]:

@@ -18,6 +18,7 @@ from orchestrator import Provenance, Run
 
 from ..answer import parts
 from ..assessment import assess
+from ..car import slip
 from ..errors import TracktrainError
 from ..events import nadal_rule
 from ..results import dataset_of
@@ -58,7 +59,7 @@ def page(dataset: xr.Dataset, bonds: pd.DataFrame | None = None) -> str:
         facts=content.facts(dataset, table, bonds),
         parameters=content.parameters(dataset),
         fmus=content.fmus(dataset),
-        notes=provenance.notes,
+        notes=[*provenance.notes, *slip.remarks(dataset)],
         parts=parts(dataset),
         events=content.happened(dataset),
         nadal=nadal_rule(),

@@ -78,6 +78,28 @@ def write_table(table: xr.Dataset, folder: Path) -> None:
     table.to_netcdf(folder / NETCDF, engine="netcdf4")
 
 
+def idle_axes(table: xr.Dataset) -> list[str]:
+    """Axes along which no number of any run differs in a bit; none while runs are missing."""
+    numbers = {
+        name: v
+        for name, v in table.data_vars.items()
+        if v.dtype.kind == "f" and name not in ("wall_time", "stepping_time")
+    }
+    if not numbers or not table["done"].values.all():
+        return []
+
+    def same(v: xr.DataArray, place: int) -> bool:
+        first = np.take(v.values, [0], place)
+        return np.array_equal(v.values, np.broadcast_to(first, v.shape), equal_nan=True)
+
+    axes = list(next(iter(numbers.values())).dims)
+    return [
+        str(axis)
+        for place, axis in enumerate(axes)
+        if table.sizes[axis] > 1 and all(same(v, place) for v in numbers.values())
+    ]
+
+
 def digest(table: xr.Dataset) -> pd.DataFrame:
     """Least, median and largest of each number over all runs."""
     import pandas as pd

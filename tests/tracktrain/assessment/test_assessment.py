@@ -239,3 +239,14 @@ def test_folder_without_results_is_refused(tmp_path: Path) -> None:
     result = CliRunner().invoke(main, ["assess", str(tmp_path)])
     assert result.exit_code == 2
     assert f"there is no results.nc in '{tmp_path}'; name the folder" in result.stderr
+
+
+def test_what_the_track_does_not_move_is_not_excited_rather_than_passed_with_nothing() -> None:
+    table = assess(motion(20.0, ay=1.0))
+    assert row(table, "carbody_vertical_transient")["result"] == "not excited"
+    assert row(table, "wheel_load_ratio")["result"] == "not excited"
+    assert np.isnan(row(table, "iso_vertical")["share"])
+    assert row(table, "carbody_lateral_transient")["result"] == "passed"
+    bounced = assess(motion(20.0, az=1e-6, load=1e-3))
+    assert row(bounced, "carbody_vertical_transient")["result"] == "passed"
+    assert row(bounced, "wheel_load_ratio")["result"] == "passed"

@@ -139,3 +139,12 @@ def test_the_command_prints_what_differs_first(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     assert result.output.index("what differs") < result.output.index("what came out")
     assert (out / "comparison.html").is_file()
+
+
+def test_a_parameter_without_a_say_and_a_signal_at_rest_are_told(tmp_path: Path) -> None:
+    first = run(tmp_path / "a", 0.001, **{"pump.colour": 1.0})
+    second = run(tmp_path / "b", 0.001, **{"pump.colour": 2.0})
+    said = compare([first, second]).notes
+    assert any("to the last bit" in note and "pump colour had no say" in note for note in said)
+    still = run(tmp_path / "c", 0.0)
+    assert "not excited in c: pump.shaft.y" in compare([first, still]).notes

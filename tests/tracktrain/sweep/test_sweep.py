@@ -25,7 +25,7 @@ from tracktrain.scales import FOOT
 from tracktrain.sweep import sweep
 from tracktrain.sweep.axes import SweepError, make_axis, read_axis
 from tracktrain.sweep.grid import USUAL
-from tracktrain.sweep.table import pace
+from tracktrain.sweep.table import idle_axes, pace
 from tracktrain.sweep.workers import rows
 
 FORCE = "wheelset_11.force_y"
@@ -222,3 +222,16 @@ def test_ctrl_c_keeps_what_is_done(tmp_path):
 
 def test_a_sweep_takes_every_option_of_how_fmus_are_coupled():
     assert set(COUPLING) <= set(USUAL)
+
+
+def test_an_axis_along_which_no_number_differs_has_no_say() -> None:
+    numbers = np.array([[1.0, 2.0, np.nan], [1.0, 2.0, np.nan]])
+    table = xr.Dataset(
+        {
+            "peak": (("colour", "speed"), numbers),
+            "wall_time": (("colour", "speed"), np.arange(6.0).reshape(2, 3)),
+            "done": (("colour", "speed"), np.ones((2, 3), np.int8)),
+        }
+    )
+    assert idle_axes(table) == ["colour"]
+    assert idle_axes(table.assign(done=table["done"] * 0)) == []

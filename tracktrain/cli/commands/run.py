@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
@@ -45,7 +45,7 @@ from ...terminal import writable
 from ..as_json import json_option, print_json
 
 if TYPE_CHECKING:
-    from orchestrator import Run
+    from orchestrator import Run, System
 
     from ...answer import Part
 
@@ -188,13 +188,20 @@ def command(
             )
         stage("writing")
         lost = _write(result, folder, kept.csv, kept.page)
+        if resume is None and kept.again is None and shape.settings:
+            stage("comparing")
+            lost += _idle(result, system, file, ssd, shape, settings)
     if result.completed:
         shutil.rmtree(folder / FMUS_OF_CHECKPOINT, ignore_errors=True)
     _judge(result, counting, folder, lost, JSON if as_json else NOTHING if quiet else TEXT)
     if not result.completed:
-        message = result.message or "the run stopped early"
-        hint = f"; go on with --resume {folder}" if how["checkpoint"] or resume else ""
-        raise Stopped(f"{message}; what was computed until then is in {folder}{hint}")
+        raise _stopped(result, folder, bool(how["checkpoint"] or resume))
+
+
+def _stopped(result: Run, folder: Path, goes_on: bool) -> Stopped:
+    message = result.message or "the run stopped early"
+    hint = f"; go on with --resume {folder}" if goes_on else ""
+    return Stopped(f"{message}; what was computed until then is in {folder}{hint}")
 
 
 def _of_file(ctx: click.Context, path: Path | None) -> Path | None:
@@ -231,9 +238,30 @@ def _write(result: Run, folder: Path, csv: bool, page: bool) -> list[str]:
     return []
 
 
+def _idle(
+    result: Run,
+    system: System,
+    file: Path | None,
+    ssd: str | None,
+    shape: Shape,
+    settings: Mapping[str, Any],
+) -> list[str]:
+    """What was set and has no say."""
+    from ...idle import idle
+
+    def without(change: tuple[str, str, str]) -> System:
+        others = replace(shape, settings=[given for given in shape.settings if given != change])
+        return chosen_car(others) if file is None else chosen_file(file, ssd, others)
+
+    left_out = ("checkpoint", "memory", "self_test")
+    same = {name: value for name, value in settings.items() if name not in left_out}
+    return idle(result, system, shape.settings, without, {**same, "self_test": False})
+
+
 def _judge(result: Run, counting: Counting, folder: Path, lost: list[str], form: str) -> None:
     """Say the verdict in parts in the results, and with the statistics at the end, in a form."""
     from ...answer import parts
+    from ...car import slip
     from ...events import events
     from ..events import print_events, write_events
     from ..summary import numbers, print_summary
@@ -242,7 +270,7 @@ def _judge(result: Run, counting: Counting, folder: Path, lost: list[str], form:
         dataset = counting.counted(result.dataset)
     except ValueError as error:
         dataset, lost = result.dataset, [*lost, f"{error}; all of it is counted"]
-    found = events(result.dataset)
+    found, lost = events(result.dataset), [*lost, *slip.remarks(result.dataset)]
     judged = parts(dataset, result.verdict, whole=result.dataset)
     lost = [*lost, *_say(judged, folder)]
     write_events(found, folder)

@@ -117,13 +117,16 @@ def command(
 
 
 def _print(table: xr.Dataset, axes: list[str], folder: Path) -> None:
-    from ...sweep.table import digest
+    from ...sweep.table import digest, idle_axes
 
     console = Console()
     failed = [str(text) for text in table["message"].values.ravel() if text]
     print_whole(console, printable(digest(table), f"{table['done'].size} runs: {'; '.join(axes)}"))
     if failed:
         note = f"note: {len(failed)} runs failed, as: {failed[0]}"
+        console.print(note, style="dim", markup=False, highlight=False)
+    for axis in idle_axes(table):
+        note = f"note: {axis} changed no bit of any number: it has no say in these runs"
         console.print(note, style="dim", markup=False, highlight=False)
     console.print(table.attrs["pace"], markup=False, highlight=False)
     console.print(
