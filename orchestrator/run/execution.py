@@ -36,10 +36,11 @@ from .context import Context
 from .initial_values import settle
 from .log import Logger, listener
 from .outcome import Kind, Outcome
+from .pace import Pace
 from .request import REQUEST, written_request
 from .settings import Settings, chosen
 from .snapshot import Snapshot, put_back, taken
-from .stepping import Progress, Stepper
+from .stepping import CHUNK, Progress, Stepper
 from .texts import Texts
 from .watch import Watch
 
@@ -183,10 +184,35 @@ class Execution:
     def run(self, progress: Progress | None = None) -> Outcome | None:
         """Step to the end, or to what stops it: why, else None."""
         stepper = self._ready()
+        factor = self.context.settings.real_time
         with self.guarded():
-            self.outcome = stepper.run(progress)
+            if factor is None:
+                self.outcome = stepper.run(progress)
+            else:
+                self.outcome = self._in_real_time(stepper, factor, progress)
         self._row = stepper.rows_done - 1
         return self.outcome
+
+    def _in_real_time(
+        self, stepper: Stepper, factor: float, progress: Progress | None
+    ) -> Outcome | None:
+        """Take macro steps one by one, each when it is due."""
+        grid, told = self.context.grid, 0.0
+        pace = Pace(factor, self.time)
+        reason: Outcome | None = None
+        try:
+            for row in range(self._row + 1, grid.steps + 1):
+                reason = stepper.step(row)
+                if reason is not None:
+                    break
+                pace.wait(grid.time(row))
+                if progress is not None and time.perf_counter() - told > CHUNK:
+                    told = time.perf_counter()
+                    progress(grid.time(row), stepper.wall)
+        except KeyboardInterrupt:
+            reason = Outcome(Kind.INTERRUPTED, stepper.now())
+        self.notes.append(pace.note())
+        return reason or stepper.flush()
 
     def step(self, count: int = 1) -> bool:
         """Go on by so many macro steps; whether there are more to come."""

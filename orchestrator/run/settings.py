@@ -29,8 +29,9 @@ class Settings:
     takes more than `timeout` [s] of wall time, ends the run and not the program. fmu_tolerance:
     relative tolerance that the FMUs are told to solve to; without it each is told that of its own
     default experiment, if it has one. self_test: test first whether the FMUs do what they say, each
-    once (see `trust`), and predict the largest stable step. compiled: False runs the same macro
-    loop as plain Python. measure: estimate the share of time inside the FMUs. command: for the
+    once (see `trust`), and predict the largest stable step. real_time: simulated time over wall
+    time that is kept to, as far as steps take no longer. compiled: False runs the same macro loop
+    as plain Python. measure: estimate the share of time inside the FMUs. command: for the
     results' provenance. Raises OrchestratorError.
     """
 
@@ -68,6 +69,12 @@ class Settings:
         False,
         "Whether the FMUs are tested first, once each and then remembered, and the largest "
         "stable step is predicted.",
+    )
+    real_time: float | None = option(
+        None,
+        "Keep simulated time to the clock: so many seconds of it in one of the clock's; steps that "
+        "came late are counted.",
+        above=0.0,
     )
     compiled: bool = option(True, "Whether the macro loop is compiled.")
     measure: bool = option(False, "Whether the share of time inside the FMUs is estimated.")

@@ -74,6 +74,7 @@ run_options = adding(
             "timeout", type=Quantity("timeout", "s", TIMES, "60s"), default="60s", metavar="TIME"
         ),
         _setting("fmu_tolerance", show_default=False, metavar="NUMBER"),
+        _setting("real_time", show_default=False, metavar="FACTOR"),
         click.option(
             "--log",
             type=click.Path(path_type=Path, dir_okay=False),
@@ -155,7 +156,10 @@ def survival(options: dict[str, Any]) -> dict[str, Any]:
     """Take what options above say out of a command's, as `orchestrator.simulate` has it."""
     taken = {
         name: options.pop(name)
-        for name in ("record", "every", "memory", "checkpoint", "timeout", "fmu_tolerance")
+        for name in (
+            *("record", "every", "memory", "checkpoint", "timeout", "fmu_tolerance"),
+            "real_time",
+        )
     }
     return {**taken, "record": taken["record"] or None}
 

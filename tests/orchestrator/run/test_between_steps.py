@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import pytest
 
@@ -17,6 +19,7 @@ from orchestrator import (
     OrchestratorError,
     Settings,
     System,
+    simulate,
 )
 from orchestrator.errors import ValueRefusedError
 from support.coupled_models import oscillator
@@ -138,3 +141,14 @@ def test_a_run_whose_rows_are_written_as_they_are_made_does_not_go_back(tmp_path
         pytest.raises(OrchestratorError, match="cannot go back; leave `out` and sinks out"),
     ):
         execution.save()
+
+
+def test_simulated_time_never_runs_ahead_of_the_clock_and_late_steps_are_counted():
+    begin = time.perf_counter()
+    run = simulate(oscillator(), duration=0.2, step=0.01, real_time=2.0)
+    assert time.perf_counter() - begin >= 0.1
+    assert any("communication points" in note for note in run.notes)
+    free = simulate(oscillator(), duration=0.2, step=0.01)
+    assert free.record.tobytes() == run.record.tobytes()
+    hurried = simulate(oscillator(), duration=0.2, step=0.01, real_time=1e9)
+    assert any("20 of 20 communication points came late" in note for note in hurried.notes)
