@@ -12,7 +12,6 @@ from typing import Any
 
 import pandas as pd
 import xarray as xr
-from plotly.offline import get_plotlyjs
 
 from orchestrator import Provenance, Run
 
@@ -23,11 +22,11 @@ from ..errors import TracktrainError
 from ..events import nadal_rule
 from ..results import dataset_of
 from . import content, motion, series
-from .packing import compressed, packed
+from .packing import packed
 from .rendering import rendered
 
 NAME = "report.html"
-SCRIPTS = ("data.js", "scene.js", "player.js", "plots.js", "page.js")
+SCRIPTS = ("data.js", "scene.js", "player.js", "chart.js", "plots.js", "page.js")
 """In the order in which they need each other."""
 
 
@@ -70,7 +69,6 @@ def page(dataset: xr.Dataset, bonds: pd.DataFrame | None = None) -> str:
         width=width,
         index=index,
         blob=blob,
-        plotly=compressed(get_plotlyjs().encode()),
     )
 
 

@@ -11,6 +11,7 @@ import pytest
 from selenium import webdriver
 from selenium.webdriver.chrome.options import Options
 from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
@@ -80,7 +81,7 @@ def test_page_draws_everything_without_an_error(show: Callable[..., Driver]) -> 
     assert driver.get_log("browser") == []
     assert not driver.find_element(By.ID, "broken").is_displayed()
     for plot, least in (("time-plot", 300), ("spectrum-plot", 40)):
-        paths = driver.find_elements(By.CSS_SELECTOR, f"#{plot} .scatterlayer path.js-line")
+        paths = driver.find_elements(By.CSS_SELECTOR, f"#{plot} path.curve")
         assert len(paths) == 3
         assert all(len(path.get_attribute("d") or "") > least for path in paths)
     for canvas in ("car", "mode"):
@@ -101,6 +102,22 @@ def test_picking_a_signal_changes_the_plots(show: Callable[..., Driver]) -> None
     assert traces(driver) == [*before, "carbody.cg.roll"]
     driver.find_element(By.CSS_SELECTOR, "#chips button").click()
     assert traces(driver) == [*before[1:], "carbody.cg.roll"]
+
+
+def test_plots_are_zoomed_by_dragging_and_by_keys(show: Callable[..., Driver]) -> None:
+    driver = show()
+    drawn = "return document.querySelector('#time-plot path.curve').getAttribute('d')"
+    chart = driver.find_element(By.CSS_SELECTOR, "#time-plot .chart")
+    whole = driver.execute_script(drawn)
+    drag = ActionChains(driver).move_to_element(chart).click_and_hold().move_by_offset(90, 0)
+    drag.release().perform()
+    assert len(part := driver.execute_script(drawn)) < len(whole)
+    chart.send_keys(Keys.ARROW_RIGHT)
+    assert driver.execute_script(drawn) != part
+    chart.send_keys("0")
+    assert driver.execute_script(drawn) == whole
+    said = driver.find_element(By.CSS_SELECTOR, "#time-plot .tip").text
+    assert said.startswith("time ") and said.count(": ") == 3
 
 
 def test_play_moves_the_car_and_the_clock(show: Callable[..., Driver]) -> None:

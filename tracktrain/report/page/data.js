@@ -28,16 +28,6 @@ function row(array, number) {
   return array.data.subarray(number * width, (number + 1) * width);
 }
 
-async function loadPlotly() {
-  const url = URL.createObjectURL(new Blob([await inflated("plotly")], { type: "text/javascript" }));
-  await new Promise((done, failed) => {
-    const script = document.createElement("script");
-    Object.assign(script, { src: url, onload: done, onerror: failed });
-    document.head.append(script);
-  });
-  URL.revokeObjectURL(url);
-}
-
 function colour(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }

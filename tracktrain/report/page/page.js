@@ -20,7 +20,6 @@ async function begin() {
     });
   }
   if (known.modes) players.push(modePlayer(arrays));
-  await loadPlotly();
   plots = new Plots(arrays);
   plots.draw();
   const redraw = () => {

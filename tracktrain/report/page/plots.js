@@ -1,7 +1,6 @@
 // Curves and spectra of the picked signals, one row of axes for each unit.
 
 const PALETTE = ["c1", "c2", "c3", "c4", "c5", "c6", "c7", "c8"];
-const BUTTONS = [["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "resetScale2d"], ["toImage"]];
 const MOST_PICKED = 12;
 const KINDS = { derailment: "bad", "above Nadal": "c5", "wheel lift": "c4" }; // colours of events
 const DEPTH = 1e-9; // of a spectrum below its peak, beyond which there is only rounding
@@ -12,6 +11,8 @@ class Plots {
     const names = known.signals.map(({ name }) => name);
     this.picked = known.first.map((name) => names.indexOf(name)).filter((number) => number >= 0);
     if (!this.picked.length) this.picked = [0];
+    this.times = new Chart(document.getElementById("time-plot"), "Signals", "time [s]", {});
+    this.spectra = new Chart(document.getElementById("spectrum-plot"), "Spectra", "frequency [Hz]", { logX: true, logY: true });
     this.choices();
     document.getElementById("filter").addEventListener("input", (event) => this.filter(event.target.value));
   }
@@ -78,52 +79,22 @@ class Plots {
     document.getElementById("picked").textContent = `${this.picked.length} of ${known.signals.length} picked${more && "; " + more}`;
   }
 
-  // A row of axes for each unit, from the top.
-  layout(units, title, labels, height) {
-    const ink = colour("ink"), grid = colour("line"), rows = Math.max(units.length, 1);
-    const axis = { gridcolor: grid, zerolinecolor: grid, linecolor: grid, automargin: true, tickfont: { size: 11 } };
-    const layout = {
-      height: 120 + height * rows, margin: { l: 62, r: 12, t: 30, b: 44 },
-      paper_bgcolor: "transparent", plot_bgcolor: "transparent",
-      font: { family: "system-ui, sans-serif", color: ink, size: 12 },
-      hovermode: "x unified", hoverlabel: { bgcolor: colour("card"), bordercolor: grid, font: { color: ink } },
-      showlegend: false, modebar: { bgcolor: "transparent", color: colour("muted"), activecolor: colour("accent") },
-      xaxis: { ...axis, title: { text: title }, anchor: rows > 1 ? `y${rows}` : "y", ...labels.x },
-    };
-    units.forEach((unit, i) => {
-      const gap = 0.05, size = (1 - gap * (rows - 1)) / rows, top = 1 - i * (size + gap);
-      layout[i ? `yaxis${i + 1}` : "yaxis"] = { ...axis, domain: [Math.max(top - size, 0), top], title: { text: labels.y(unit), font: { size: 11 } }, ...labels.yaxis };
-    });
-    return layout;
-  }
-
   draw() {
     const { time, signals, frequency, density } = this.arrays;
-    const units = [...new Set(this.picked.map((number) => known.signals[number].unit))];
     const traces = (x, rows, power) => this.picked.map((number, i) => {
-      const { name, unit, factor } = known.signals[number], place = units.indexOf(unit);
+      const { name, unit, factor } = known.signals[number];
       const values = row(rows, number), floor = power > 1 ? DEPTH * values.reduce((a, b) => Math.max(a, b), 0) : -Infinity;
       const y = Float64Array.from(values, (value) => (value > floor ? value * factor ** power : NaN));
-      const shown = y.findLastIndex((value) => !Number.isNaN(value)) + 1;
-      return { x: x.subarray(0, shown), y: y.subarray(0, shown), name, type: "scatter", mode: "lines", xaxis: "x", yaxis: place ? `y${place + 1}` : "y",
-        line: { color: colour(PALETTE[i % PALETTE.length]), width: 1.3 }, hovertemplate: `%{y:.4g} ${unit === "1" ? "" : unit}${power > 1 ? "²/Hz" : ""}` };
+      const suffix = unit === "1" ? "" : power > 1 ? `(${unit})²/Hz` : unit;
+      return { name, x, y, unit, suffix, colour: colour(PALETTE[i % PALETTE.length]) };
     });
-    const config = { responsive: true, displaylogo: false, modeBarButtons: BUTTONS };
-    const own = (unit) => (unit === "1" ? "" : `[${unit}]`);
-    const layout = this.layout(units, "time [s]", { x: { range: [time.data[0], time.data.at(-1)] }, y: own, yaxis: {} }, 150);
-    this.events = known.events.map(({ kind, from, to }) => ({
-      type: "rect", layer: "below", xref: "x", yref: "paper", x0: from, x1: to, y0: 0, y1: 1,
-      fillcolor: colour(KINDS[kind]), opacity: 0.12, line: { color: colour(KINDS[kind]), width: 1 } }));
-    Plotly.react("time-plot", traces(time.data, signals, 1), { ...layout, shapes: this.events }, config);
-    const per = (unit) => (unit === "1" ? "[1/Hz]" : `[(${unit})²/Hz]`);
-    Plotly.react("spectrum-plot", traces(frequency.data, density, 2),
-      this.layout(units, "frequency [Hz]", { x: { type: "log" }, y: per, yaxis: { type: "log", exponentformat: "power", nticks: 5 } }, 150), config);
+    const bands = known.events.map(({ kind, from, to }) => ({ from, to, colour: colour(KINDS[kind]) }));
+    this.times.set(traces(time.data, signals, 1), (unit) => (unit === "1" ? "" : `[${unit}]`), bands);
+    this.spectra.set(traces(frequency.data, density, 2), (unit) => (unit === "1" ? "[1/Hz]" : `[(${unit})²/Hz]`));
   }
 
   // A line at the time that the car is shown at.
   mark(time) {
-    if (!document.getElementById("time-plot").layout) return;
-    const line = { type: "line", xref: "x", yref: "paper", x0: time, x1: time, y0: 0, y1: 1, line: { color: colour("accent"), width: 1 } };
-    Plotly.relayout("time-plot", { shapes: [...this.events, line] });
+    this.times.mark(time);
   }
 }
