@@ -74,12 +74,12 @@ class Limit:
     name: str
     outputs: tuple[str, ...]
     unit: str
-    least: float | None
-    largest: float | None
-    beyond: str
-    remedy: str
-    basis: str
-    source: str
+    least: float | None = None
+    largest: float | None = None
+    beyond: str = ""
+    remedy: str = ""
+    basis: str = ""
+    source: str = ""
     void: bool = False
 
 

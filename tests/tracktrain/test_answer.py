@@ -59,6 +59,16 @@ def test_a_run_that_began_outside_the_model_says_so_before_it_asks_for_a_smaller
     assert [part.name for part in parts(outside, smaller)][:2] == ["range", "coupling"]
 
 
+def test_a_run_that_went_out_after_its_coupling_failed_says_to_mend_that_first():
+    over = np.where(np.arange(6000) < 5000, 0.5, 2.0)
+    limit = {"outputs": ["left.saturation"], "largest": 1.0, "beyond": "forces", "void": True}
+    outside = run_of().assign({"wheelset_11.left.saturation": ("time", over)})
+    outside.attrs["ranges"] = json.dumps({"wheelset_11": [limit]})
+    first, second = parts(outside, Verdict(Level.BAD, ("the run did not reach its end",)))[:2]
+    assert (first.name, second.name) == ("coupling", "range")
+    assert "mend it first" in second.text
+
+
 def test_settling_leaves_the_transient_out():
     decaying = run_of() + run_of(rate=-1.0, amplitude=0.05)
     assert 2.0 < float(counted(decaying, None, settle=True).time[0]) < 20.0

@@ -49,7 +49,8 @@ def parts(
     if known.looked_at or _is_car(dataset):
         # A run that began outside is not mended by what is said of its coupling.
         began = any(departure.row == 0 for departure in known.departures)
-        found.insert(0 if began else 1, _range(known, events(whole)))
+        unsure = verdict is not None and verdict.level is Level.BAD and not began
+        found.insert(0 if began else 1, _range(known, events(whole), unsure))
     if _is_car(dataset):
         found.append(NUMBERS)
     return sorted(found, key=lambda part: ORDER.index(part.level))
@@ -120,7 +121,8 @@ def _settled(found: dict[str, Settling], stands: Standing | None) -> tuple[Level
     return Level.DOUBTFUL, f"Too short for statistics of {', '.join(unsettled)}; {todo}.{more}"
 
 
-def _range(known: Range, happened: list[Event]) -> Part:
+def _range(known: Range, happened: list[Event], unsure: bool) -> Part:
+    """unsure: whether the coupling may have led the run there."""
     missing = _unknown(known)
     derailed = [event for event in happened if event.kind == DERAILMENT]
     if derailed:
@@ -130,6 +132,7 @@ def _range(known: Range, happened: list[Event]) -> Part:
         more = [f"{d.limit.beyond} (from {d.time:.3g} s, worst {d.found})" for d in others]
         said = f" Also outside: {'; '.join(more)}." if more else ""
         level = Level.BAD if worst.limit.void or derailed else Level.DOUBTFUL
+        said += " The coupling may be what led there; mend it first." if unsure else ""
         return Part("range", level, f"{_capital(str(worst))}.{said}{missing}")
     if derailed:
         return Part("range", Level.BAD, missing[1:])

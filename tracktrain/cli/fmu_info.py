@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import isfinite
 from typing import Any
 
 import fmpy
@@ -47,8 +48,25 @@ def print_info(
     _print_head(console, contents, description, beside)
     _print_ports(console, description)
     _print_terminals(console, beside)
+    _print_range(console, description)
     if parameters:
         _print_parameters(console, description)
+
+
+def _print_range(console: Console, description: Description) -> None:
+    """What its laws hold for, where it says so."""
+    rows = [
+        {
+            "outputs": ", ".join(limit.outputs),
+            "at least": f"{limit.least:.4g}" if isfinite(limit.least) else "",
+            "at most": f"{limit.largest:.4g}" if isfinite(limit.largest) else "",
+            "unit": limit.unit,
+            "beyond": limit.beyond,
+        }
+        for limit in description.limits or ()
+    ]
+    if rows:
+        console.print(_table("range: its laws hold for", rows))
 
 
 def _table(title: str, rows: list[dict[str, str]]) -> Table:

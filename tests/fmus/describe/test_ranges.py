@@ -8,6 +8,8 @@ from fmus import BLOCKS
 from fmus.catalogue import fmu_path
 from fmus.describe.ranges import range_of, read_range
 from fmus.errors import ParameterError
+from fmus.export.xml.description import annotated
+from fmus.model import Limit, Model, Output
 from fmus.truck.ports import OUTPUTS
 from fmus.truck_joints.block import TruckJoints
 from orchestrator import Port, PortMap, describe
@@ -32,6 +34,23 @@ def test_an_importer_reads_the_limits_of_the_file_in_the_fmu(name, fmi):
         assert theirs.largest == (float("inf") if ours.largest is None else ours.largest)
         assert theirs.least == (float("-inf") if ours.least is None else ours.least)
         assert (theirs.void, theirs.remedy) == (ours.void, ours.remedy)
+
+
+class Spring(Model):
+    """A spring that was measured up to 5 kN."""
+
+    name = "spring"
+    description = "A spring"
+    outputs = (Output("force_y", "N", "Force"),)
+    limits = (Limit("force", ("force_y",), "N", largest=5e3, beyond="forces never measured"),)
+
+
+def test_a_model_of_ones_own_states_its_limits():
+    (element,) = annotated(Spring())
+    (limit,) = element
+    assert (limit.get("outputs"), limit.get("max"), limit.get("min")) == ("force_y", "5000.0", None)
+    Spring.limits = None
+    assert annotated(Spring()) == []
 
 
 def test_a_block_that_stands_for_another_holds_for_the_same():
