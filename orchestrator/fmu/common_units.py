@@ -23,6 +23,7 @@ UNITS: dict[str, tuple[float, Exponents]] = {
     "inch": (_INCH, (0, 1, 0)),
     "in": (_INCH, (0, 1, 0)),
     "ft": (12.0 * _INCH, (0, 1, 0)),
+    "mi": (5280.0 * 12.0 * _INCH, (0, 1, 0)),
     "kg": (1.0, (1, 0, 0)),
     "t": (1e3, (1, 0, 0)),
     "lb": (_POUND, (1, 0, 0)),
@@ -30,11 +31,14 @@ UNITS: dict[str, tuple[float, Exponents]] = {
     "ms": (1e-3, (0, 0, 1)),
     "min": (60.0, (0, 0, 1)),
     "h": (3600.0, (0, 0, 1)),
+    "hr": (3600.0, (0, 0, 1)),
     "Hz": (1.0, (0, 0, -1)),
     "mph": (5280.0 * 12.0 * _INCH / 3600.0, (0, 1, -1)),
     "N": (1.0, (1, 1, -2)),
     "kN": (1e3, (1, 1, -2)),
     "lbf": (_LBF, (1, 1, -2)),
+    "kip": (1e3 * _LBF, (1, 1, -2)),
+    "g_0": (_GRAVITY, (0, 1, -2)),
     "J": (1.0, (1, 2, -2)),
     "W": (1.0, (1, 2, -3)),
     "byte": (8.0, (0, 0, 0)),
@@ -45,7 +49,7 @@ UNITS: dict[str, tuple[float, Exponents]] = {
 """Factor to SI, and exponents, by name as pint spells it."""
 
 _SIGN = re.compile(r"\s*(?<!\*)([*/])(?!\*)\s*")
-_FACTOR = re.compile(r"([A-Za-z]+|1)(?:\*\*(-?\d))?")
+_FACTOR = re.compile(r"([A-Za-z]+(?:_0)?|1)(?:\*\*(-?\d))?")
 
 
 def common(spelled: str) -> tuple[float, Exponents] | None:

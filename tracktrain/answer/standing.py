@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from math import inf, log, pi
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from fmus.carbody.modal_files import read_modal_data
 from fmus.catalogue import parameter_units
 from orchestrator import Provenance
 
@@ -84,13 +88,20 @@ def linear_of(dataset: xr.Dataset) -> tuple[LinearMotion, tuple[str, ...]] | Non
         }
         if not given[instance]:
             return None
-    if data is None:
-        return LinearFmus(layout, given), _swapped(dataset, layout)
     fmu = known_fmu(dataset)
-    if fmu is None:
+    if data is not None and fmu is None:
         return None
-    given[layout.carbody] = {}
-    return LinearFmus(layout, given, (data, fmu)), _swapped(dataset, layout)
+    return _made(layout, json.dumps(given), data and fmu), _swapped(dataset, layout)
+
+
+@lru_cache(maxsize=4)
+def _made(layout: Layout, given: str, body: Path | None) -> LinearFmus:
+    """A run's verdict and its page ask for the same car. given: as JSON."""
+    values = json.loads(given)
+    if body is None:
+        return LinearFmus(layout, values)
+    data = read_modal_data(body.with_suffix(".toml"))
+    return LinearFmus(layout, {**values, layout.carbody: {}}, (data, body))
 
 
 def standing(dataset: xr.Dataset) -> Standing | None:

@@ -52,7 +52,7 @@ def _row(car: Car | NotApplicableError, rule: Rule) -> dict[str, object]:
         "unit": rule.shown_unit,
         "statistic": rule.statistic,
         "filter": str(rule.band or ""),
-        "window": f"{rule.window:g~P}" if rule.window is not None else "",
+        "window": str(rule.window or ""),
         "formula": rule.formula,
         "source": rule.source,
         "verified": rule.verified,

@@ -158,16 +158,16 @@ class Car:
         """The values at equal distances of time or way, and how many make up the rule's window."""
         if rule.window is None:
             return values, len(values)
-        if rule.window.check("[length]"):
-            length = float(rule.window.to("m").magnitude)
+        if rule.over_way:
+            length = rule.window.to("m")
             way = self.distance
-            extent, unit, rule_unit = float(way[-1]), "m", f"{rule.window:g~P}"
+            extent, unit, rule_unit = float(way[-1]), "m", str(rule.window)
             if extent <= 0.0:
                 raise NotApplicableError("the car stands still")
             values = np.interp(np.linspace(0.0, extent, len(way)), way, values)
         else:
-            length = float(rule.window.to("s").magnitude)
-            extent, unit, rule_unit = (len(values) - 1) / self.rate, "s", f"{rule.window:g~P}"
+            length = rule.window.to("s")
+            extent, unit, rule_unit = (len(values) - 1) / self.rate, "s", str(rule.window)
         if extent < length * LONG_ENOUGH:
             raise NotApplicableError(self._too_short(extent, length, unit, rule_unit))
         return values, max(round(length / extent * (len(values) - 1)), 1)
@@ -178,7 +178,7 @@ class Car:
         if len(values) < count:
             raise NotApplicableError(
                 f"the run of {self.time[-1] - self.time[0]:.3g} s is shorter than a window of "
-                f"{rule.window:g~P} that lasts for {rule.sustained:g} s"
+                f"{rule.window} that lasts for {rule.sustained:g} s"
             )
         return float(windows.held_above(values, count).max())
 

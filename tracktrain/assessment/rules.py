@@ -10,7 +10,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-import pint
+from orchestrator import Quantity, conversion, scale_of
 
 
 class NotApplicableError(Exception):
@@ -62,7 +62,7 @@ class Rule:
     source: str
     verified: bool
     band: Band | None
-    window: pint.Quantity | None
+    window: Quantity | None
     ignored: float
     limit: float | None
     formula: str
@@ -80,6 +80,11 @@ class Rule:
         return self.limit is not None or bool(self.formula)
 
     @property
+    def over_way(self) -> bool:
+        """Whether its window is a length."""
+        return self.window is not None and conversion(self.window.unit, "m") is not None
+
+    @property
     def shown_unit(self) -> str:
         return {"1": "", "g_0": "g", "m/s**2": "m/s²"}.get(self.unit, self.unit)
 
@@ -94,12 +99,13 @@ def rules() -> tuple[Rule, ...]:
 def parameter(name: str) -> float:
     """A parameter that formulas share [SI]."""
     given = _file()["parameters"][name]
-    return float(_quantity(given).to_base_units().magnitude)
+    return to_si(given["value"], given["unit"])
 
 
 def to_si(value: float, unit: str) -> float:
     """A value in SI."""
-    return float(_quantity({"value": value, "unit": unit}).to_base_units().magnitude)
+    scale = scale_of(unit)
+    return scale.factor * value + scale.offset
 
 
 def from_si(value: float, unit: str) -> float:
@@ -118,7 +124,7 @@ def _rule(key: str, given: Mapping[str, Any]) -> Rule:
         source=given["source"],
         verified=given["verified"],
         band=Band(**band) if band else None,
-        window=_quantity(window) if window else None,
+        window=Quantity(**window) if window else None,
         ignored=_si(given, "ignored"),
         limit=limit.get("value"),
         formula=limit.get("formula", ""),
@@ -142,11 +148,6 @@ def _scope(name: str) -> Scope:
     given = _file()["scopes"][name]
     most = _si(given, "most_speed") or math.inf
     return Scope(given["text"], given.get("foreign", False), _si(given, "least_speed"), most)
-
-
-def _quantity(given: Mapping[str, Any]) -> pint.Quantity:
-    unit = "" if given["unit"] == "1" else given["unit"]
-    return pint.get_application_registry().Quantity(given["value"], unit)
 
 
 @cache

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from io import BytesIO
 from typing import Any
 
@@ -76,15 +77,19 @@ def unit_motions(carbody: ModalData, truck: Mapping[str, float]) -> tuple[list[L
 
 def _carbody(q: Complex, data: ModalData) -> Iterator[Line]:
     """The edges of the data, joined where one begins at the other's end; the plates are at 0."""
-    every = [point.name for point in data.points]
-    place = {name: number for number, name in enumerate(every)}
-    rigid = np.stack([rigid_shape(data, name)[:3] for name in every])  # (points, 3, rigid modes)
-    moved = rigid @ q[:RIGID] + np.tensordot(data.shapes[:, :, :3], q[RIGID:], axes=(0, 0))
+    place = {point.name: number for number, point in enumerate(data.points)}
+    moved = _rigid(data) @ q[:RIGID] + np.tensordot(data.shapes[:, :, :3], q[RIGID:], axes=(0, 0))
     at = np.array([point.position for point in data.points])
     at[:, 2] += data.gravity_centre_height
     for line in _joined(data.edges):
         own = [place[name] for name in line]
         yield Line(at[own], moved[own], "carbody")
+
+
+@lru_cache(maxsize=4)
+def _rigid(data: ModalData) -> Array:
+    """What the rigid modes move at every point, (points, 3, modes)."""
+    return np.stack([rigid_shape(data, point.name)[:3] for point in data.points])
 
 
 def _joined(edges: Iterable[tuple[str, str]]) -> list[list[str]]:
