@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import ctypes
+import struct
 import sysconfig
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from operator import mul
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,9 @@ from .base import Slave
 from .status import Status
 
 Signals = Mapping[str, float]
+
+_REFERENCE = 4
+"""Bytes of a value reference."""
 
 _LIBRARIES = tuple(dict.fromkeys(map(sysconfig.get_path, ("stdlib", "platlib", "purelib"))))
 """Folders of what is not the user's own."""
@@ -29,7 +34,8 @@ class InlineModel:
     start: start values of parameters and inputs. depends: inputs on which an output depends at the
     same instant. derivative_of: the output that an output is the rate of.
     initial(p) -> x; step(x, u, rate, p, time, step) -> x; output(x, u, p) -> outputs;
-    directional(x, u, p, seed) -> derivatives of the outputs along the seed of inputs.
+    directional(x, u, p, seed) -> derivatives of the outputs along the seed of inputs; or gains: by
+    output and input, where they never change and all others are 0.
     Inputs vary over a step as u + rate * (t - time); with input_order=2 the rate of each input is a
     pair, of first and second derivative. An exception in a function is an error.
     saves_state: the state can be restored, as long as `step` makes a new one.
@@ -48,6 +54,7 @@ class InlineModel:
     step: Callable[..., Any] = lambda x, u, rate, p, time, step: x
     output: Callable[..., Signals] = lambda x, u, p: {}
     directional: Callable[..., Signals] | None = None
+    gains: Mapping[str, Signals] | None = None
 
     @property
     def description(self) -> Description:
@@ -77,7 +84,7 @@ class InlineModel:
             input_order=self.input_order,
             saves_state=self.saves_state,
             variable_step=True,
-            gives_derivatives=self.directional is not None,
+            gives_derivatives=self.directional is not None or self.gains is not None,
             tangents=self.tangents,
         )
 
@@ -102,9 +109,12 @@ class InlineSlave(Slave):
         super().__init__(name, model.description)
         self._model = model
         self._names = [v.name for v in self.description.variables.values()]
+        self._lists: dict[bytes, list[str]] = {}
+        self._matrices: dict[tuple[bytes, bytes], list[list[float]]] = {}
         self._u = {v.name: model.start.get(v.name, 0.0) for v in self.description.inputs}
         self._p = {k: v for k, v in model.start.items() if k not in self._u}
-        self._rates = {name: [0.0, 0.0] for name in self._u}
+        self._none = dict.fromkeys(self._u, 0.0)
+        self._rates = dict(self._none), dict(self._none)
         self._x: Any = None
         self._saved: list[Any] = []
         self._callbacks = [
@@ -138,7 +148,7 @@ class InlineSlave(Slave):
     def go_back(self, remembered: Any) -> None:
         self._x, inputs, parameters = remembered
         self._u, self._p = dict(inputs), dict(parameters)
-        self._rates = {name: [0.0, 0.0] for name in self._u}
+        self._rates = dict(self._none), dict(self._none)
 
     def _guarded(self, function: Callable[..., None]) -> Callable[..., int]:
         def call(*arguments: Any) -> int:
@@ -154,33 +164,41 @@ class InlineSlave(Slave):
         return call
 
     def _named(self, references: int, count: int) -> list[str]:
-        return [self._names[r] for r in (ctypes.c_uint32 * count).from_address(references)]
+        """Names by their references; masters ask for the same few lists all the time."""
+        key = ctypes.string_at(references, _REFERENCE * count)
+        if key not in self._lists:
+            numbers = (ctypes.c_uint32 * count).from_address(references)
+            self._lists[key] = [self._names[r] for r in numbers]
+        return self._lists[key]
 
     def _set_real(self, _: int, references: int, count: int, values: int) -> None:
-        given = (ctypes.c_double * count).from_address(values)
+        given = _numbers(values, count)
         self._u.update(zip(self._named(references, count), given, strict=True))
 
     def _set_rates(self, _: int, references: int, count: int, orders: int, values: int) -> None:
-        given = (ctypes.c_double * count).from_address(values)
+        given = _numbers(values, count)
         order = (ctypes.c_int * count).from_address(orders)
         for name, n, value in zip(self._named(references, count), order, given, strict=True):
             if not 1 <= n <= self._model.input_order:
                 raise ValueError(f"input derivatives up to order {self._model.input_order} only")
-            self._rates[name][n - 1] = value
+            self._rates[n - 1][name] = value
 
     def _get_real(self, _: int, references: int, count: int, values: int) -> None:
-        known = {**self._p, **self._u, **self._model.output(self._x, self._u, self._p)}
-        taken = (ctypes.c_double * count).from_address(values)
-        taken[:] = [_one(known, name, "output") for name in self._named(references, count)]
+        found = self._model.output(self._x, self._u, self._p)
+        names = self._named(references, count)
+        if not all(map(found.__contains__, names)):
+            found = {**self._p, **self._u, **found}
+        _give(found, names, values, "output")
 
     def _do_step(self, _: int, time: float, step: float, _no_return: int) -> None:
-        rates: Mapping[str, Any] = self._rates
-        if self._model.input_order == 1:
-            rates = {name: first for name, (first, _) in self._rates.items()}
+        first, second = self._rates
+        rates: Mapping[str, Any] = first
+        if self._model.input_order > 1:
+            rates = {name: [first[name], second[name]] for name in self._u}
         self._x = self._model.step(self._x, dict(self._u), rates, self._p, time, step)
-        for name, (first, second) in self._rates.items():
-            self._u[name] += (first + 0.5 * second * step) * step
-        self._rates = {name: [0.0, 0.0] for name in self._u}
+        for name, rate in first.items():
+            self._u[name] += (rate + 0.5 * second[name] * step) * step
+        self._rates = dict(self._none), dict(self._none)
 
     def _get_state(self, _: int, place: int) -> None:
         handle = ctypes.c_size_t.from_address(place)
@@ -192,7 +210,7 @@ class InlineSlave(Slave):
     def _set_state(self, _: int, handle: int) -> None:
         self._x, inputs = self._saved[handle - 1]
         self._u = dict(inputs)
-        self._rates = {name: [0.0, 0.0] for name in self._u}
+        self._rates = dict(self._none), dict(self._none)
 
     def _directional(
         self,
@@ -204,15 +222,49 @@ class InlineSlave(Slave):
         seed: int,
         result: int,
     ) -> None:
+        if self._model.gains is not None:
+            rows = self._gains(unknowns, unknown_count, knowns, known_count)
+            seeded = _numbers(seed, known_count)
+            _write(result, [sum(map(mul, row, seeded)) for row in rows])
+            return
         assert self._model.directional is not None
-        seeds = dict.fromkeys(self._u, 0.0)
-        given = (ctypes.c_double * known_count).from_address(seed)
+        seeds = dict(self._none)
+        given = _numbers(seed, known_count)
         seeds.update(zip(self._named(knowns, known_count), given, strict=True))
         found = self._model.directional(self._x, self._u, self._p, seeds)
-        taken = (ctypes.c_double * unknown_count).from_address(result)
-        taken[:] = [
-            _one(found, name, "directional") for name in self._named(unknowns, unknown_count)
-        ]
+        _give(found, self._named(unknowns, unknown_count), result, "directional")
+
+    def _gains(self, *asked: int) -> list[list[float]]:
+        """The constant gains of unknowns by knowns, by their references."""
+        unknowns, unknown_count, knowns, known_count = asked
+        key = (
+            ctypes.string_at(unknowns, _REFERENCE * unknown_count),
+            ctypes.string_at(knowns, _REFERENCE * known_count),
+        )
+        if key not in self._matrices:
+            gains = self._model.gains or {}
+            columns = self._named(knowns, known_count)
+            self._matrices[key] = [
+                [gains.get(name, {}).get(own, 0.0) for own in columns]
+                for name in self._named(unknowns, unknown_count)
+            ]
+        return self._matrices[key]
+
+
+def _give(found: Signals, names: list[str], place: int, function: str) -> None:
+    """Write numbers that a model's function gave to where they are wanted."""
+    try:
+        _write(place, [found[name] for name in names])
+    except (KeyError, struct.error):
+        _write(place, [_one(found, name, function) for name in names])
+
+
+def _numbers(place: int, count: int) -> tuple[float, ...]:
+    return struct.unpack(f"{count}d", ctypes.string_at(place, 8 * count))
+
+
+def _write(place: int, values: Sequence[float]) -> None:
+    ctypes.memmove(place, struct.pack(f"{len(values)}d", *values), 8 * len(values))
 
 
 def _one(found: Signals, name: str, function: str) -> float:

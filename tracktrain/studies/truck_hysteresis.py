@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 from math import cos, pi, sin
 from pathlib import Path
@@ -35,6 +36,10 @@ LOADS = (20.0, 50.0, 100.0)
 
 PERIODS = (2.0, 4.0)
 """Duration of a cycle [s], report section 4.2.4."""
+
+PER_CYCLE, STEPS = 2000, (1e-3, 2e-3)
+"""Macro steps that a cycle should have, and the shortest and longest that they are [s]. Half as
+many change the energy of warp by 0.5 %, twice as many all numbers by less than 1e-4."""
 
 WEDGE_LAWS = ("constant", "load_proportional")
 DRIVES = {"lateral": (1, 5), "yaw": (2,), "roll": (3,), "vertical": (4,), "warp": (6,)}
@@ -104,7 +109,8 @@ def truck_hysteresis(
     plan = list(product(DRIVES, loads, periods))
     for done, (drive, load, period) in enumerate(plan):
         stand = _stand(drive, values, load, period)
-        run = run_on_rig(place, given, stand, 3 * period)
+        step = float(np.clip(period / PER_CYCLE, *STEPS))
+        run = run_on_rig(place, given, stand, 3 * period, step)
         completed(run, f"the {drive} loop at {load:g} kip")
         cycles += _cycles(run.dataset, drive, load, period)
         progress((done + 1) / len(plan))
@@ -167,7 +173,8 @@ def _stand(drive: str, values: Values, load: float, period: float) -> InlineMode
     rack = amplitude * values["half_wheelbase"] if drive == "warp" else 0.0
     moved = {"lateral": "y", "yaw": "yaw", "roll": "roll", "vertical": "z"}.get(drive)
 
-    def law(time: float, u: Signals) -> dict[str, float]:
+    @lru_cache(maxsize=1)  # asked for twice at each communication point
+    def moving(time: float) -> tuple[float, float, dict[str, float]]:
         grown, growth = _smoothstep(time / period, 1 / period)
         angle, rate = 2 * pi * time / period, 2 * pi / period
         wave, slope = grown * sin(angle), growth * sin(angle) + grown * rate * cos(angle)
@@ -176,6 +183,10 @@ def _stand(drive: str, values: Values, load: float, period: float) -> InlineMode
         if moved:
             motion[moved] += amplitude * wave
             motion[_RATE[moved]] += amplitude * slope
+        return wave, slope, {f"car.{name}": value for name, value in motion.items()}
+
+    def law(time: float, u: Signals) -> dict[str, float]:
+        wave, slope, motion = moving(time)
         held = {}
         for axle, sign in ((1, 1.0), (2, -1.0)):
             stiffness, damping = GRIP["force_y"]
@@ -187,7 +198,7 @@ def _stand(drive: str, values: Values, load: float, period: float) -> InlineMode
             held[f"axle[{axle}].moment_z"] = (
                 -stiffness * u[f"axle[{axle}].yaw"] - damping * u[f"axle[{axle}].wz"]
             )
-        return {f"car.{name}": value for name, value in motion.items()} | held
+        return motion | held
 
     axles = (1, 2)
     return rig(

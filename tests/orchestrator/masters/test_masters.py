@@ -128,6 +128,17 @@ def test_units_are_converted_in_values_rates_and_tangents():
         assert f"drives damper.v [ft/s]: converted, times {1 / foot:g}" in " ".join(runs[1].notes)
 
 
+def test_gains_that_never_change_are_a_tangent_as_a_function_is():
+    stated = damper(50.0, directional=None, gains={"force": {"v": -50.0, "ground_v": 50.0}})
+    plain = damped_mass(50.0, slope=0.3)
+    runs = [
+        simulate(system, duration=1, step=0.02)
+        for system in (plain, plain.with_fmu("damper", stated))
+    ]
+    assert "1 of 3 inputs follow a tangent of their source" in runs[1].notes
+    np.testing.assert_array_equal(runs[0].record, runs[1].record)
+
+
 def test_chain_of_feedthrough_is_evaluated_in_order_at_every_communication_point():
     """A source and three gains, listed backwards: all show the same instant."""
     doubling = InlineModel(

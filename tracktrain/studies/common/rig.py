@@ -33,15 +33,9 @@ def rig(
     rest = dict.fromkeys(inputs, 0.0)
     still, pushed = law(0.0, rest), {name: law(0.0, {**rest, name: 1.0}) for name in inputs}
     gains = {
-        name: [(own, pushed[own][name] - still[name]) for own in of]
+        name: {own: pushed[own][name] - still[name] for own in of}
         for name, of in (depends or {}).items()
     }
-    none = dict.fromkeys(outputs, 0.0)
-
-    def along(time: float, u: Signals, p: Signals, seed: Signals) -> Signals:
-        found = {name: sum(gain * seed[own] for own, gain in of) for name, of in gains.items()}
-        return none | found
-
     return InlineModel(
         outputs=outputs,
         inputs=inputs,
@@ -50,7 +44,7 @@ def rig(
         initial=lambda p: 0.0,
         step=lambda x, u, rate, p, time, step: time + step,
         output=lambda x, u, p: law(x, u),
-        directional=along if depends else None,
+        gains=gains if depends else None,
     )
 
 
