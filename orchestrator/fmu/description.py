@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import inf
 
 from ..errors import ValueRefusedError, choices
@@ -256,19 +257,24 @@ class Description(Summarised):
         continuous = variable.kind == "real" and variable.interpolated
         return self.interpolates_inputs and continuous
 
-    @property
+    @cached_property
     def inputs(self) -> list[Variable]:
         return [v for v in self.variables.values() if v.causality == "input"]
 
-    @property
+    @cached_property
     def outputs(self) -> list[Variable]:
         return [v for v in self.variables.values() if v.causality == "output"]
 
-    @property
+    @cached_property
     def partials(self) -> frozenset[str]:
         """Inputs that take a partial derivative; unconnected they stay at their start."""
         return frozenset(tangent.partial for tangent in self.tangents)
 
     def rate_of(self, output: str) -> Variable | None:
         """The output that is declared to be the time derivative of `output`."""
-        return next((v for v in self.outputs if v.derivative_of == output), None)
+        return self._rates.get(output)
+
+    @cached_property
+    def _rates(self) -> dict[str | None, Variable]:
+        """By each output, the first that is its rate."""
+        return {v.derivative_of: v for v in reversed(self.outputs)}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 from ..errors import ResultsError, choices
 from ..fmu.arrays import reading
@@ -14,8 +14,13 @@ INNER = ("local", "calculatedParameter", "parameter", "structuralParameter")
 """Causalities of variables that are kept only where no port has the name that was asked for."""
 
 
-def _expression(pattern: str) -> str:
-    return re.escape(pattern).replace(r"\*", ".*").replace(r"\?", ".")
+def _matching(pattern: str, names: Collection[str]) -> Iterator[str]:
+    """The names that a pattern means; one without `*` and `?` means itself."""
+    if "*" in pattern or "?" in pattern:
+        expression = re.escape(pattern).replace(r"\*", ".*").replace(r"\?", ".")
+        yield from filter(re.compile(expression).fullmatch, names)
+    elif pattern in names:
+        yield pattern
 
 
 def with_asked(
@@ -23,21 +28,23 @@ def with_asked(
 ) -> list[Description]:
     """The descriptions, inner variables that were asked for by name being outputs, too."""
     asked: list[set[str]] = [set() for _ in names]
-    ports = [
+    if record is None:
+        return list(descriptions)
+    ports = {
         f"{name}.{v.name}"
         for name, d in zip(names, descriptions, strict=True)
         for v in (*d.outputs, *d.inputs)
-    ]
-    for pattern in record or ():
-        matches = re.compile(_expression(pattern)).fullmatch
-        if any(map(matches, ports)):
+    }
+    for pattern in record:
+        if any(_matching(pattern, ports)):
             continue
         for own, name, d in zip(asked, names, descriptions, strict=True):
-            own |= {
-                v.name
+            inner = {
+                f"{name}.{v.name}": v.name
                 for v in d.variables.values()
-                if v.causality in INNER and v.coupled and matches(f"{name}.{v.name}")
+                if v.causality in INNER and v.coupled
             }
+            own |= {inner[found] for found in _matching(pattern, inner)}
     return [reading(d, own) for d, own in zip(descriptions, asked, strict=True)]
 
 
@@ -56,7 +63,7 @@ def recorded(
         return frozenset(available)
     wanted: set[str] = set()
     for pattern in record:
-        found = {name for name in available if re.fullmatch(_expression(pattern), name)}
+        found = set(_matching(pattern, available))
         if not found:
             raise ResultsError(f"no output matches '{pattern}'; {choices(pattern, available)}")
         wanted |= found

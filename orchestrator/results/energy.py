@@ -48,6 +48,7 @@ class BondSums:
         self._bonds, self._column_of, self._led, self._step = bonds, column_of, led, step
         # Passed, residual [J]; change of the force from step to step, and its size [N].
         self.values = np.zeros((4, len(bonds)))
+        self._watts = np.array([[bond.watts] for bond in bonds])
 
     def add(self, rows: NDArray[np.float64], ends: NDArray[np.float64]) -> None:
         """Add the steps between rows, shape (steps + 1, columns).
@@ -58,19 +59,26 @@ class BondSums:
             self._add(rows, ends)
 
     def _add(self, rows: NDArray[np.float64], ends: NDArray[np.float64]) -> None:
-        for n, bond in enumerate(self._bonds):
-            force, force_end = self._side(bond.force, rows, ends)
-            velocity, velocity_end = self._side(bond.velocity, rows, ends)
-            f0, v0 = force[:-1], velocity[:-1]
-            source = _work(f0, force[1:], v0, velocity_end, self._step) * bond.watts
-            target = _work(f0, force_end, v0, velocity[1:], self._step) * bond.watts
-            for total, terms in (
-                (self.values[0], 0.5 * (np.abs(source) + np.abs(target))),
-                (self.values[1], source - target),
-                (self.values[2], np.abs(force[1:] - f0)),
-                (self.values[3], np.abs(force[1:]) + np.abs(f0)),
-            ):
-                total[n] = np.cumsum(np.append(total[n], terms))[-1]
+        if not self._bonds:
+            return
+        force, force_end = self._side([bond.force for bond in self._bonds], rows, ends)
+        velocity, velocity_end = self._side([bond.velocity for bond in self._bonds], rows, ends)
+        f0, f1, v0, v1 = force[:, :-1], force[:, 1:], velocity[:, :-1], velocity[:, 1:]
+        source = _work(f0, f1, v0, velocity_end, self._step) * self._watts
+        target = _work(f0, force_end, v0, v1, self._step) * self._watts
+        size = np.abs(force)
+        for total, terms in zip(
+            self.values,
+            (
+                0.5 * (np.abs(source) + np.abs(target)),
+                source - target,
+                np.abs(f1 - f0),
+                size[:, 1:] + size[:, :-1],
+            ),
+            strict=True,
+        ):
+            # One by one, so that the sum does not depend on where a block ends.
+            total[:] = np.cumsum(np.column_stack((total, terms)), axis=1)[:, -1]
 
     def residuals(self) -> list[BondResidual]:
         """Energy residual of every bond so far."""
@@ -82,14 +90,19 @@ class BondSums:
         ]
 
     def _side(
-        self, link: Link, rows: NDArray[np.float64], ends: NDArray[np.float64]
+        self, links: Sequence[Link], rows: NDArray[np.float64], ends: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The output, and what the input was led to at each step's end [source's unit]."""
-        values = rows[:, self._column_of[link.source, link.output.name]]
-        column = self._led.get(link)
-        if column is None:
-            return values, values[:-1]
-        return values, (ends[:, column] - link.offset) / link.gain
+        """Outputs, and what their inputs were led to at each step's end [source's unit].
+
+        Shape (links, rows), a row fewer for the second.
+        """
+        columns = [self._column_of[link.source, link.output.name] for link in links]
+        values = np.ascontiguousarray(rows[:, columns].T)
+        led = values[:, :-1].copy()
+        for place, link in enumerate(links):
+            if link in self._led:
+                led[place] = (ends[:, self._led[link]] - link.offset) / link.gain
+        return values, led
 
 
 def _work(

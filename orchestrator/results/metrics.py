@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,6 +33,11 @@ def vertex(three: NDArray[np.float64]) -> float:
     return float(0.5 * (left - right) / curvature) if curvature < 0.0 else 0.0
 
 
+@lru_cache(maxsize=1)
+def _hann(size: int) -> NDArray[np.float64]:
+    return np.hanning(size)
+
+
 def dominant_frequency(response: xr.DataArray) -> float:
     """Frequency [Hz] of the highest spectral peak; NaN where nothing moves.
 
@@ -42,7 +48,7 @@ def dominant_frequency(response: xr.DataArray) -> float:
     moving = values - np.mean(values)
     if values.size < 4 or not np.any(moving):
         return float("nan")
-    size = np.abs(np.fft.rfft(moving * np.hanning(values.size)))
+    size = np.abs(np.fft.rfft(moving * _hann(values.size)))
     line = int(np.argmax(size[1:])) + 1
     shift = 0.0
     if 1 < line < size.size - 1 and np.all(size[line - 1 : line + 2] > 0.0):
