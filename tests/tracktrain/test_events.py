@@ -11,6 +11,7 @@ from tracktrain import events as module
 from tracktrain.answer import parts
 from tracktrain.cli.main import main
 from tracktrain.events import ABOVE, DERAILMENT, LIFT, events, nadal_rule
+from tracktrain.report import page
 
 STEP, SPEED = 0.01, 20.0
 LIMIT = nadal_rule().limit
@@ -90,3 +91,10 @@ def test_assess_prints_the_events_and_leaves_them_as_a_table(tmp_path):
     run_of().to_netcdf(tmp_path / "results.nc")
     assert "derailment" not in CliRunner().invoke(main, ["assess", str(tmp_path)]).output
     assert not (tmp_path / "events.csv").exists()
+
+
+def test_the_page_lists_the_events_and_has_them_for_its_plots():
+    text = page(run_of(ratio=range(10, 40)))
+    assert '<a href="#events">' in text
+    assert '"events":[{"kind":"derailment","place":"wheelset_11 left","from":0.1,"to":0.4}]' in text
+    assert '<a href="#events">' not in page(run_of())

@@ -27,7 +27,7 @@ SHOWN = {"rad": ("deg", 180.0 / pi), "m": ("mm", 1e3), "1": ("", 1.0)}
 @dataclass
 class Watch:
     """An output beside its limit: rows where it first lay beyond and lay furthest, and its value
-    there; -1 where it never did."""
+    there, -1 where it never did; the number of rows beyond."""
 
     output: str
     limit: Limit
@@ -35,12 +35,14 @@ class Watch:
     furthest: int = -1
     excess: float = 0.0
     value: float = 0.0
+    rows: int = 0
 
     def take(self, start: int, values: NDArray[np.float64]) -> None:
         """Look at rows that begin with this one."""
         excess = np.nan_to_num(
             np.maximum(values - self.limit.largest, self.limit.least - values), nan=-inf
         )
+        self.rows += int(np.count_nonzero(excess > 0.0))
         row = int(excess.argmax())
         if excess[row] > self.excess:
             if self.first < 0:
@@ -51,7 +53,8 @@ class Watch:
 @dataclass(frozen=True)
 class Departure:
     """Outputs beyond one limit: since when [s] and where along the track [m], and which first; the
-    one that went furthest, its value, and when [s]; their number."""
+    one that went furthest, its value, and when [s]; their number; the largest share of the rows
+    that one of them was beyond."""
 
     limit: Limit
     first: str
@@ -62,6 +65,7 @@ class Departure:
     value: float
     worst_time: float
     count: int
+    share: float
 
     @property
     def where(self) -> str:
@@ -87,8 +91,9 @@ class Departure:
         station = "" if self.station is None else f" ({self.station:.3g} m along the track)"
         return (
             f"outside the model: {self.limit.beyond}, from t = {self.time:.3g} s{station} on at "
-            f"{self.where}; worst {self.found} at {self.worst_time:.3g} s ({self.worst}), where "
-            f"its laws hold for {self.held}; {self.limit.remedy}"
+            f"{self.where}, {_percent(self.share)} of the time; worst {self.found} at "
+            f"{self.worst_time:.3g} s ({self.worst}), where its laws hold for {self.held}; "
+            f"{self.limit.remedy}"
         )
 
 
@@ -150,4 +155,9 @@ def _departure(dataset: xr.Dataset, group: list[Watch]) -> Departure:
         worst.value,
         float(dataset["time"][worst.furthest]),
         len({watch.output for watch in group}),
+        max(watch.rows for watch in group) / dataset.sizes["time"],
     )
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.2g}%" if share >= 1e-3 else "less than 0.1%"

@@ -74,6 +74,8 @@ def remarks(
     for name, data in runs.items():
         if verdict := str(data.attrs.get("verdict", "")):
             found.append(f"{name}: {verdict}")
+        said = str(data.attrs.get("answer", "")).splitlines()
+        found += [f"{name}: {x}" for x in said if x.startswith("Range:") and " good." not in x[:13]]
     return found
 
 

@@ -60,6 +60,7 @@ def test_each_kind_is_told_once_with_when_and_where_it_began_and_its_worst_value
     (creep,) = range_of(run).departures
     assert (creep.first, creep.time, creep.station) == ("wheelset_22.right.saturation", 0.5, 9.0)
     assert (creep.worst, creep.value, creep.count) == ("wheelset_22.right.saturation", 3.8, 2)
+    assert creep.share == 2 / 3 and "67% of the time" in str(creep)
     assert "from t = 0.5 s (9 m along the track)" in str(creep)
     assert str(creep).endswith("take another creep law")
 
