@@ -74,8 +74,10 @@ def remarks(
     for name, data in runs.items():
         if verdict := str(data.attrs.get("verdict", "")):
             found.append(f"{name}: {verdict}")
-        said = str(data.attrs.get("answer", "")).splitlines()
-        found += [f"{name}: {x}" for x in said if x.startswith("Range:") and " good." not in x[:13]]
+        lines = str(data.attrs.get("answer", "")).splitlines()
+        found += [
+            f"{name}: {x}" for x in lines if x.startswith("Range:") and " good." not in x[:13]
+        ]
     return found
 
 
