@@ -73,7 +73,7 @@ def counted(dataset: xr.Dataset, start: float | None, settle: bool) -> xr.Datase
     """
     if start is None and not settle:
         return dataset
-    counted_from = float(dataset["time"][0])
+    counted_from = float(dataset["time"].values[0])
     if settle:
         counted_from += max((s.transient for s in moving(dataset).values()), default=0.0)
     if start is not None:

@@ -144,16 +144,16 @@ def range_of(dataset: xr.Dataset) -> Range:
 def _departure(dataset: xr.Dataset, group: list[Watch]) -> Departure:
     first = min(group, key=lambda watch: watch.first)
     worst = max(group, key=lambda watch: watch.excess)
-    distance = layout_of(dataset).distance
+    distance, time = layout_of(dataset).distance, dataset["time"].values
     return Departure(
         first.limit,
         first.output,
         first.first,
-        float(dataset["time"][first.first]),
-        float(dataset[distance][first.first]) if distance in dataset else None,
+        float(time[first.first]),
+        float(dataset[distance].values[first.first]) if distance in dataset else None,
         worst.output,
         worst.value,
-        float(dataset["time"][worst.furthest]),
+        float(time[worst.furthest]),
         len({watch.output for watch in group}),
         max(watch.rows for watch in group) / dataset.sizes["time"],
     )
