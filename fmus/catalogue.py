@@ -6,7 +6,8 @@ import hashlib
 import json
 import os
 import platform
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager, nullcontext
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,9 @@ from .names import CAR, NAMES, SUFFIX
 PACKAGE = Path(__file__).parent
 
 STAMP = "sources.sha256"
+
+announce: Callable[[str], AbstractContextManager[object]] = nullcontext
+"""Says what takes its time while it does; a command line puts its own way of saying here."""
 
 NUMBERS = "numbers.json"
 """File beside the FMUs with what is known of the blocks' parameters without building the blocks."""
@@ -73,7 +77,8 @@ def folder() -> Path:
         if _is_current(place):
             return place
     place = own if os.access(PACKAGE, os.W_OK) else places[1]
-    build_into(place, CAR)
+    with announce("building the FMUs of the car for this machine, once"):
+        build_into(place, CAR)
     return place
 
 
@@ -109,7 +114,8 @@ def _built(name: str, path: Path) -> Path:
     if not os.access(place, os.W_OK):
         place = platformdirs.user_cache_path("tracktrain") / source_hash()[:16]
     if not (place / path.name).exists():
-        build(place, [name])
+        with announce(f"building the FMU {name} for this machine, once"):
+            build(place, [name])
     return place / path.name
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +17,7 @@ from rich.progress import Progress as Bar
 from rich.table import Column, Table
 
 from .errors import TracktrainError
+from .waiting import announced
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -102,8 +103,12 @@ def plain_grid() -> Table:
 
 @contextmanager
 def progress_bar(title: str, hidden: bool = False) -> Iterator[Progress]:
-    """A bar on the terminal's error stream that a call moves; nothing where that is no terminal."""
+    """A bar on the terminal's error stream that a call moves; a line where that is no terminal."""
     console = Console(stderr=True)
-    with Bar(console=console, disable=hidden or not console.is_terminal, transient=True) as bar:
+    piped = not hidden and not console.is_terminal
+    with (
+        announced(title) if piped else nullcontext(),
+        Bar(console=console, disable=hidden or piped, transient=True) as bar,
+    ):
         task = bar.add_task(title, total=1.0)
         yield lambda share: bar.update(task, completed=share)

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import platformdirs
 
+from .. import catalogue
 from ..carbody.experiment import reference
 from ..carbody.modal import ModalCarbody
 from ..carbody.modal_data import ModalData
 from ..carbody.modal_files import IN_FMU, as_text
-from ..catalogue import source_hash
 from ..names import identifier
 from .build import build_products
 from .product import Product
@@ -38,11 +38,14 @@ def build_carbody(
 
 def carbody_fmu(data: ModalData) -> Path:
     """The FMU of the data for FMI 2.0 and this machine, built once and kept in the user's cache."""
-    text = source_hash() + as_text(data)
+    text = catalogue.source_hash() + as_text(data)
     folder = platformdirs.user_cache_path("tracktrain") / "carbodies"
     digest = hashlib.sha256(text.encode()).hexdigest()[:16]
     out = folder / digest / f"{identifier(data.name, 'carbody')}.fmu"
-    return out if out.exists() else build_carbody(data, out)
+    if not out.exists():
+        with catalogue.announce(f"building the FMU of the carbody {data.name}, once"):
+            build_carbody(data, out)
+    return out
 
 
 def carbody_product(data: ModalData, name: str) -> Product:

@@ -7,7 +7,10 @@ from typing import Any
 
 import click
 
+from fmus import catalogue
+
 from ..failures import clear_errors
+from ..waiting import announced
 from .commands import COMMANDS
 from .group import LazyGroup
 
@@ -20,6 +23,7 @@ class Tracktrain(LazyGroup):
         return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
+        catalogue.announce = announced
         with clear_errors():
             return super().invoke(ctx)
 

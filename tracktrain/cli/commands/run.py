@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -42,6 +42,7 @@ from ...options.run import (
 )
 from ...options.trust import shown, trust_options, trusted
 from ...terminal import writable
+from ...waiting import announced
 from ..as_json import json_option, print_json
 
 if TYPE_CHECKING:
@@ -322,12 +323,16 @@ def _progress(duration: float, quiet: bool) -> Iterator[tuple[Callable[[str], No
         TextColumn("{task.completed:.2f} of {task.total:.2f} s"),
         TextColumn("{task.fields[ratio]}"),
     )
-    hidden = quiet or not console.is_terminal
-    with Progress(*columns, console=console, disable=hidden, transient=True) as bar:
+    piped = not quiet and not console.is_terminal
+    waits = ExitStack()
+    with waits, Progress(*columns, console=console, disable=quiet or piped, transient=True) as bar:
         task = bar.add_task("preparing", total=duration, ratio="")
 
         def stage(name: str) -> None:
             bar.update(task, description=name)
+            waits.close()
+            if piped:
+                waits.enter_context(announced(name))
 
         def progress(time: float, wall: float) -> None:
             ratio = f"{time / wall:.0f} x real time" if wall > 0.0 else ""
