@@ -1,4 +1,4 @@
-"""Build hook: a wheel carries the FMUs of the platform it is built on."""
+"""Build hook: a wheel carries the FMUs and the macro loops of the platform it is built on."""
 
 from __future__ import annotations
 
@@ -10,16 +10,18 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 
-class FmuBuildHook(BuildHookInterface):
-    """Builds the FMUs with the same code as `tracktrain build`."""
+class NativeBuildHook(BuildHookInterface):
+    """Builds both with the code that a checkout builds them with."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         sys.path.insert(0, self.root)
-        from fmus.catalogue import build_into
+        from fmus.catalogue import build_into as build_fmus
+        from orchestrator.compiled.library import build_into as build_loops
 
-        place = Path(self.root) / "fmus" / "built"
-        build_into(place)
-        build_data["artifacts"].append("fmus/built/*")
+        places = {build_fmus: "fmus/built", build_loops: "orchestrator/built"}
+        for build, place in places.items():
+            build(Path(self.root) / place)
+            build_data["artifacts"].append(f"{place}/*")
         build_data["pure_python"] = False
         platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
         build_data["tag"] = f"py3-none-{platform}"

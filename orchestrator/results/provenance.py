@@ -16,7 +16,7 @@ from ..plan.plan import Plan, start_values
 if TYPE_CHECKING:
     import xarray as xr
 
-PACKAGES = ("tracktrain", "fmpy", "numba", "numpy")
+PACKAGES = ("tracktrain", "fmpy", "numpy")
 """Those whose versions are written down."""
 
 

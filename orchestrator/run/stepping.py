@@ -58,12 +58,10 @@ class Stepper:
         self._plan, self._slaves, self._grid = context.plan, context.slaves, context.grid
         self._prepared, self._recording = context.prepared, recording
         self._texts, self._checkpoints = texts, checkpoints
-        advance = context.prepared.advance
-        self._plain: Callable[..., None] = advance.py_func
-        self._advance = advance if context.settings.compiled else self._plain
+        self._bound = self._prepared.advance.bound if context.settings.compiled else self._plain
+        self._advance: Callable[..., None] = self._bound(self._prepared.tables)
         self._report = np.array([1, 0, 0, 0], np.int64)
         self._watch = watch
-        self._chunk(0, 0)  # compiles, or loads what was compiled before
         self.wall = 0.0
 
     @property
@@ -208,7 +206,7 @@ class Stepper:
     def _chunk(self, first: int, last: int) -> int:
         given = (first, last, self._grid.step, self._recording.in_memory, self._report)
         if self._watch.searching and last > first:
-            compiled, self._advance = self._advance, self._plain
+            compiled, self._advance = self._advance, self._plain(self._prepared.tables)
             self._watch.search(lambda: self._call(*given))
             self._advance = compiled
         else:
@@ -226,15 +224,13 @@ class Stepper:
         tables: tuple[Any, ...] | None = None,
     ) -> None:
         with np.errstate(all="ignore"):  # as in compiled code; the master looks at every number
-            self._advance(
-                first,
-                last,
-                self._grid.start,
-                step,
-                record,
-                report,
-                *(tables or self._prepared.tables),
-            )
+            advance = self._bound(tables) if tables else self._advance
+            advance(first, last, self._grid.start, step, record, report)
+
+    def _plain(self, tables: tuple[Any, ...]) -> Callable[..., None]:
+        """The macro loop in plain Python, with tables."""
+        plain = self._prepared.advance.py_func
+        return lambda *given: plain(*given, *tables)
 
     def _reason(self) -> Outcome:
         _, call, number, status = (int(n) for n in self._report)

@@ -27,7 +27,7 @@ def load(name: str, description: Description, folder: Path, listener: Listener |
 def lanes_of(description: Description) -> Lanes | None:
     """The lanes of an instance that is called through adaptors; None for one that is not.
 
-    With them comes numba, which takes its time: the process of an isolated FMU does without.
+    The process of an isolated FMU does without their compiled code.
     """
     plain = not any(v.lane for v in description.variables.values())
     if plain and not description.fmi_version.startswith("3"):

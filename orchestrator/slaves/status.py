@@ -1,12 +1,11 @@
-"""What FMI functions return, and what it means: the one place that judges it.
-
-numba compiles `fine` and `worse` for macro loops and adaptors, too: `calls` has it do so.
-"""
+"""What FMI functions return, and what it means: the one place that judges it."""
 
 from __future__ import annotations
 
 from enum import IntEnum
 from typing import Any
+
+from ..compiled.marks import in_c
 
 
 class Status(IntEnum):
@@ -24,11 +23,13 @@ class StatusError(Exception):
     """A function of an FMU returned what ends a run."""
 
 
+@in_c
 def fine(status: int) -> bool:
     """Whether a run can go on after a status, which an FMU may have made up."""
     return 0 <= status <= 1
 
 
+@in_c
 def worse(first: int, second: int) -> int:
     """That of two statuses in order after which things look worse."""
     if not fine(first):

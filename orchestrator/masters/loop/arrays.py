@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ...compiled.types import MATRIX
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
 References = NDArray[np.uint32]
 Orders = NDArray[np.int32]
+Matrix = Annotated[NDArray[np.float64], MATRIX]
+IntMatrix = Annotated[NDArray[np.int64], MATRIX]
 
 
 def starts(sizes: Sequence[int]) -> Ints:

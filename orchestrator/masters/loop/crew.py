@@ -15,14 +15,12 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
-from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic, register_jitable
 
+from ...compiled.marks import in_c
+from ...compiled.primitives import add, call
 from ...interrupts import uninterrupted
 from ...plan.plan import Plan
 from ...slaves.base import Slave
-from ...slaves.calls import call
 from ...slaves.fmu import address_of
 from ..base import Prepared
 from .arrays import Ints, ints
@@ -115,46 +113,44 @@ class Together:
         self._reports = [np.zeros(4, np.int64) for _ in crew[1:]]
         self._pool = ThreadPoolExecutor(len(crew) - 1, "tracktrain")
 
+    def bound(self, tables: tuple[Any, ...]) -> Callable[..., None]:
+        """The loop with its tables, each thread with its own part of the crew."""
+        walks = [self._loop.bound((*tables[:-1], own)) for own in self._crew]
+
+        def call(*given: Any) -> None:
+            self._together(walks, *given)
+
+        return call
+
     def __call__(self, *arguments: Any) -> None:
-        *given, report = arguments[:6]
-        tables = arguments[6:-1]
+        self.bound(arguments[6:])(*arguments[:6])
+
+    def _together(self, walks: Sequence[Callable[..., None]], *arguments: Any) -> None:
+        *given, report = arguments
         for own in self._reports:
             own[:] = report
         self._crew[0].stopped[:] = 0
         with uninterrupted():  # else some would wait for the others for ever
             running = [
-                self._pool.submit(self._walk, *given, own, *tables, crew)
-                for own, crew in zip(self._reports, self._crew[1:], strict=True)
+                self._pool.submit(self._walk, crew, walk, *given, own)
+                for crew, walk, own in zip(self._crew[1:], walks[1:], self._reports, strict=True)
             ]
-            self._walk(*given, report, *tables, self._crew[0])
+            self._walk(self._crew[0], walks[0], *given, report)
             for future in running:
                 future.result()
         found = [r for r in (report, *self._reports) if r[1]]
         if found:
             report[1:] = min(found, key=lambda r: r[2])[1:]
 
-    def _walk(self, *arguments: Any) -> None:
+    def _walk(self, crew: Crew, walk: Callable[..., None], *arguments: Any) -> None:
         try:
-            self._loop(*arguments)
+            walk(*arguments)
         except BaseException:
-            arguments[-1].stopped[LEFT] = 1  # else the others would wait for it for ever
+            crew.stopped[LEFT] = 1  # else the others would wait for it for ever
             raise
 
 
-def _typed_add(typing_context: Any, address: Any, value: Any) -> Any:
-    """Add to a whole number in memory, at once for all threads; what it was before."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        place = builder.inttoptr(arguments[0], ir.IntType(64).as_pointer())
-        return builder.atomic_rmw("add", place, arguments[1], "seq_cst")
-
-    return types.int64(types.int64, types.int64), generate
-
-
-_add: Any = intrinsic(_typed_add)
-
-
-@register_jitable
+@in_c
 def meet(crew: Crew, place: int, report: Ints) -> bool:
     """Wait at one of two places in turn until all threads are there; False if any was stopped.
 
@@ -164,10 +160,10 @@ def meet(crew: Crew, place: int, report: Ints) -> bool:
         return report[1] == 0
     if report[1] != 0:
         crew.stopped[place] = 1
-    before = _add(crew.arrivals_address, 1)
+    before = add(crew.arrivals_address, 1)
     awaited = (before // crew.size + 1) * crew.size
     spins = 0
-    while _add(crew.arrivals_address, 0) < awaited:
+    while add(crew.arrivals_address, 0) < awaited:
         spins += 1
         if spins > SPINS:
             if crew.stopped[LEFT] != 0:
@@ -176,7 +172,7 @@ def meet(crew: Crew, place: int, report: Ints) -> bool:
     return crew.stopped[place] == 0
 
 
-@register_jitable(forceinline=True)
+@in_c
 def complete(
     crew: Crew, calls: Calls, refresh: Refresh, record: Record, k: int, report: Ints
 ) -> bool:

@@ -16,8 +16,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from numba.extending import register_jitable
-
+from ...compiled.entries import macro_loop
+from ...compiled.marks import in_c
 from ...plan.plan import Plan
 from ...slaves import calls as ffi
 from ...slaves.base import Slave
@@ -45,7 +45,7 @@ from .leads import (
 from .packets import Feed, feed, fill_inputs, send, send_rates
 from .record import Record, at
 from .refresh import Refresh, refresh_table
-from .tables import DERIVE, Calls, calls, do_step, early_columns, goes_on, macro_loop, read_early
+from .tables import DERIVE, Calls, calls, do_step, early_columns, goes_on, read_early
 from .tangents import Tangents, gather, tangent_table
 
 
@@ -159,7 +159,7 @@ def advance(
             return
 
 
-@register_jitable
+@in_c
 def carry_on(calls: Calls, slave: int, record: Record, k: int, degree: int, step: float) -> None:
     """Outputs of a slave at a row k at which it does not stand."""
     every = calls.every[slave]
@@ -171,7 +171,7 @@ def carry_on(calls: Calls, slave: int, record: Record, k: int, degree: int, step
         record.rows[row, column] = record.rows[known, column] + time * (speed + 0.5 * time * bend)
 
 
-@register_jitable(forceinline=True)
+@in_c
 def ask_tangents(
     calls: Calls,
     slave: int,
@@ -212,7 +212,7 @@ def ask_tangents(
     return True
 
 
-@register_jitable(forceinline=True)
+@in_c
 def keep_ends(
     slave: int,
     ends: Ends,

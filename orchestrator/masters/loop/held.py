@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ...compiled.entries import macro_loop
 from ...plan.plan import Plan
 from ...slaves.base import Slave
 from ..base import Prepared
@@ -12,7 +13,7 @@ from .crew import Crew, alone, complete
 from .packets import Feed, feed, set_inputs
 from .record import Record
 from .refresh import Refresh, refresh_table
-from .tables import Calls, calls, do_step, early_columns, macro_loop, read_early
+from .tables import Calls, calls, do_step, early_columns, read_early
 
 
 def prepare(plan: Plan, slaves: Sequence[Slave]) -> Prepared:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...slaves.compiled import c_function
+from ...compiled.entries import c_function
 
 
 @c_function("int32()")

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
+from ...compiled.marks import in_c
 from ...plan.plan import Link, Plan
 from ..coupling import Coupling, Way, interpolated
 from .arrays import Floats, Ints, ints, starts
@@ -209,7 +209,7 @@ def end_table(
     )
 
 
-@register_jitable(forceinline=True)
+@in_c
 def extrapolate(
     record: Record, column: int, k: int, every: int, degree: int, step: float
 ) -> tuple[float, float]:
@@ -229,7 +229,7 @@ def extrapolate(
     return speed + bend * (k - last) * step, bend
 
 
-@register_jitable(forceinline=True)
+@in_c
 def find_leads(
     leads: Leads, group: int, window: int, degree: int, record: Record, k: int, step: float,
     result: Floats,
@@ -257,19 +257,19 @@ def find_leads(
         leads.speed[n], leads.bend[n] = leads.gain[n] * speed, leads.gain[n] * bend
 
 
-@register_jitable(forceinline=True)
+@in_c
 def change(leads: Leads, n: int, length: float) -> float:
     """Change of an input over a step of a length [s]."""
     return length * (leads.speed[n] + 0.5 * length * leads.bend[n])
 
 
-@register_jitable(forceinline=True)
+@in_c
 def mean_change(leads: Leads, n: int, length: float) -> float:
     """The mean over a step of an input's change."""
     return 0.5 * length * (leads.speed[n] + length / 3.0 * leads.bend[n])
 
 
-@register_jitable(forceinline=True)
+@in_c
 def led_to(inputs: Feed, leads: Leads, n: int, length: float) -> float:
     """The value that an input ends a step with."""
     value = inputs.packets.value[leads.slot[n]]
@@ -279,7 +279,7 @@ def led_to(inputs: Feed, leads: Leads, n: int, length: float) -> float:
     return value if leads.shape[n] == END else value + moved
 
 
-@register_jitable(forceinline=True)
+@in_c
 def lead_constants(leads: Leads, group: int, inputs: Feed, length: float) -> None:
     """Move the inputs that are constant over a step to their mean, or to their end."""
     for n in range(leads.first[group], leads.first[group + 1]):
@@ -289,7 +289,7 @@ def lead_constants(leads: Leads, group: int, inputs: Feed, length: float) -> Non
             inputs.packets.value[leads.slot[n]] += change(leads, n, length)
 
 
-@register_jitable(forceinline=True)
+@in_c
 def fill_rates(rates: Led, group: int, leads: Leads, length: float) -> None:
     """Input derivatives of a group: a line has the mean of the parabola over the step."""
     packets = rates.packets
@@ -303,7 +303,7 @@ def fill_rates(rates: Led, group: int, leads: Leads, length: float) -> None:
             packets.value[n] = leads.speed[lead] + length / 3.0 * leads.bend[lead]
 
 
-@register_jitable(forceinline=True)
+@in_c
 def fill_finals(finals: Led, group: int, leads: Leads, inputs: Feed, length: float) -> None:
     """Where the inputs of a group end that were led elsewhere."""
     packets = finals.packets

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
+from ...compiled.marks import in_c
 from ...plan.plan import Link, Plan
 from ...slaves import calls as ffi
 from .arrays import Floats, Ints, Orders, References, addresses, ints, starts
@@ -98,7 +98,7 @@ def feed(plan: Plan, groups: Sequence[Sequence[Link]], extra: Sequence[Sequence[
     )
 
 
-@register_jitable(forceinline=True)
+@in_c
 def fill_inputs(feed: Feed, group: int, record: Record, k: int) -> None:
     """Values of a group's inputs from row k of the record."""
     row, value = at(record, k), feed.packets.value
@@ -109,7 +109,7 @@ def fill_inputs(feed: Feed, group: int, record: Record, k: int) -> None:
         value[slot] = feed.gain[n] * value[slot] + feed.offset[n]
 
 
-@register_jitable(forceinline=True)
+@in_c
 def send(calls: Calls, slave: int, packets: Packets, group: int, report: Ints) -> bool:
     """Set inputs of a slave to the values of a group."""
     count = packets.first[group + 1] - packets.first[group]
@@ -125,7 +125,7 @@ def send(calls: Calls, slave: int, packets: Packets, group: int, report: Ints) -
     return goes_on(report, slave, SET, status)
 
 
-@register_jitable(forceinline=True)
+@in_c
 def send_rates(calls: Calls, slave: int, packets: Packets, group: int, report: Ints) -> bool:
     """Set derivatives of inputs of a slave to the values of a group."""
     count = packets.first[group + 1] - packets.first[group]
@@ -142,7 +142,7 @@ def send_rates(calls: Calls, slave: int, packets: Packets, group: int, report: I
     return goes_on(report, slave, SET_RATES, status)
 
 
-@register_jitable(forceinline=True)
+@in_c
 def set_inputs(
     calls: Calls, slave: int, feed: Feed, group: int, record: Record, k: int, report: Ints
 ) -> bool:

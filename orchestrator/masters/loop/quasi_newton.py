@@ -15,8 +15,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numba.extending import register_jitable
 
+from ...compiled.marks import in_c
 from .arrays import Floats, starts
 from .unknowns import AITKEN, FIXED_POINT, IQN_ILS, METHODS, MOST_UNKNOWNS, Unknowns
 
@@ -71,7 +71,7 @@ def unknowns(
     return made
 
 
-@register_jitable
+@in_c
 def _forget(table: Unknowns, group: int) -> None:
     """Begin with the Jacobian of unknowns that do not act on themselves."""
     size = table.first[group + 1] - table.first[group]
@@ -84,7 +84,7 @@ def _forget(table: Unknowns, group: int) -> None:
         table.inverse[begin + n * (size + 1)] = -1.0
 
 
-@register_jitable
+@in_c
 def begin_step(table: Unknowns, group: int) -> None:
     """Begin a step whose first values are in `value`."""
     table.state[group, 0] = table.state[group, 1] = 0
@@ -94,7 +94,7 @@ def begin_step(table: Unknowns, group: int) -> None:
         _forget(table, group)
 
 
-@register_jitable
+@in_c
 def settled(table: Unknowns, group: int, tolerance: float) -> bool:
     """Count an evaluation; whether no residual is above the tolerance, relative to its scale."""
     state = table.state[group]
@@ -116,7 +116,7 @@ def settled(table: Unknowns, group: int, tolerance: float) -> bool:
     return True
 
 
-@register_jitable
+@in_c
 def _enlarge(table: Unknowns, n: int, value: float, known: bool) -> None:
     """Let a scale be at least a value, where it is a first one or from a step that settled."""
     scale = table.scale[table.scale_of[n]]
@@ -124,13 +124,13 @@ def _enlarge(table: Unknowns, n: int, value: float, known: bool) -> None:
         table.scale[table.scale_of[n]] = max(scale, abs(value))
 
 
-@register_jitable
+@in_c
 def _size(table: Unknowns, n: int) -> float:
     """What a residual is compared with: its scale, or the value where it is larger."""
     return max(table.scale[table.scale_of[n]], abs(table.value[n]))
 
 
-@register_jitable
+@in_c
 def worst(table: Unknowns, group: int) -> int:
     """The unknown of a group with the largest residual, relative to its scale."""
     first, last = table.first[group], table.first[group + 1]
@@ -143,7 +143,7 @@ def worst(table: Unknowns, group: int) -> int:
     return found
 
 
-@register_jitable
+@in_c
 def _product(table: Unknowns, group: int, a: Floats, at: int, b: Floats, bt: int) -> float:
     """Inner product of two vectors of a group, in the metric of its scales."""
     first, last = table.first[group], table.first[group + 1]
@@ -155,7 +155,7 @@ def _product(table: Unknowns, group: int, a: Floats, at: int, b: Floats, bt: int
     return total
 
 
-@register_jitable
+@in_c
 def improve(table: Unknowns, group: int) -> None:
     """From `value` and its `residual` to the next value."""
     first, last = table.first[group], table.first[group + 1]
@@ -186,7 +186,7 @@ def improve(table: Unknowns, group: int) -> None:
         table.value[n] += table.change[n]
 
 
-@register_jitable
+@in_c
 def _aitken(table: Unknowns, group: int) -> float:
     """Relaxation from the last two residuals (Irons and Tuck 1969).
 
@@ -206,7 +206,7 @@ def _aitken(table: Unknowns, group: int) -> float:
     return -moved / before * across / along if before > 0.0 and along > 0.0 else 1.0
 
 
-@register_jitable
+@in_c
 def _go_back_if_worse(table: Unknowns, group: int) -> None:
     """Go on from the better of the last two points: what is far away costs digits."""
     first, last = table.first[group], table.first[group + 1]
@@ -216,7 +216,7 @@ def _go_back_if_worse(table: Unknowns, group: int) -> None:
             table.value[n], table.residual[n] = table.previous_value[n], table.previous_residual[n]
 
 
-@register_jitable
+@in_c
 def _learn(table: Unknowns, group: int) -> bool:
     """Bring the inverse Jacobian to agree with the last pair, and still with this step's others.
 

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from numba.extending import register_jitable
-
-from .arrays import Floats
+from ...compiled.marks import in_c
+from .arrays import Floats, Matrix
 
 
 class Record(NamedTuple):
@@ -21,8 +20,8 @@ class Record(NamedTuple):
     """
 
     first: int
-    rows: Floats
-    ends: Floats
+    rows: Matrix
+    ends: Matrix
     address: int
 
 
@@ -31,7 +30,7 @@ def record_of(rows: Floats, ends: Floats, first: int = 0) -> Record:
     return Record(first, rows, ends, rows.ctypes.data)
 
 
-@register_jitable
+@in_c
 def at(record: Record, k: int) -> int:
     """Where row k stands in memory; raises IndexError for a row that does not."""
     place = k - record.first
@@ -43,7 +42,7 @@ def at(record: Record, k: int) -> int:
     return place
 
 
-@register_jitable
+@in_c
 def row_address(record: Record, k: int) -> int:
     """Address of the first value of row k; raises IndexError for a row that is not in memory."""
     return record.address + 8 * record.rows.shape[1] * at(record, k)

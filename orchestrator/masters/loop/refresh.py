@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
+from ...compiled.marks import in_any_order, in_c
 from ...plan.plan import Plan, columns_of
 from ...slaves import calls as ffi
 from .arrays import Ints, addresses, ints
@@ -58,7 +58,7 @@ def refresh_table(plan: Plan, table: Calls) -> Refresh:
     )
 
 
-@register_jitable(forceinline=True)
+@in_c
 def finish_row(calls: Calls, refresh: Refresh, record: Record, k: int, report: Ints) -> bool:
     """Bring row k up to date, look at it, and count it."""
     if not refresh_outputs(calls, refresh, record, k, report):
@@ -70,7 +70,7 @@ def finish_row(calls: Calls, refresh: Refresh, record: Record, k: int, report: I
     return True
 
 
-@register_jitable(forceinline=True)
+@in_c
 def refresh_outputs(calls: Calls, refresh: Refresh, record: Record, k: int, report: Ints) -> bool:
     """Bring the feedthrough outputs of row k up to date."""
     batch, loop = 0, 0
@@ -92,7 +92,7 @@ def refresh_outputs(calls: Calls, refresh: Refresh, record: Record, k: int, repo
     return True
 
 
-@register_jitable(forceinline=True)
+@in_c
 def refresh_batch(
     calls: Calls, refresh: Refresh, batch: int, record: Record, k: int, report: Ints
 ) -> bool:
@@ -112,7 +112,7 @@ def refresh_batch(
     return goes_on(report, slave, GET, status)
 
 
-@register_jitable
+@in_c
 def guess_loop(refresh: Refresh, loop: int, record: Record, k: int) -> None:
     """Begin to go around a loop, with the guesses that stand in row k."""
     table = refresh.unknowns
@@ -124,7 +124,7 @@ def guess_loop(refresh: Refresh, loop: int, record: Record, k: int) -> None:
     refresh.again[loop] = 1
 
 
-@register_jitable
+@in_c
 def close_loop(refresh: Refresh, loop: int, record: Record, k: int) -> bool:
     """Whether the guessed outputs came out as guessed; else row k gets better guesses."""
     table = refresh.unknowns
@@ -141,7 +141,7 @@ def close_loop(refresh: Refresh, loop: int, record: Record, k: int) -> bool:
     return False
 
 
-@register_jitable(fastmath={"reassoc", "nsz"})
+@in_any_order
 def all_finite(record: Record, k: int) -> bool:
     """Whether row k has finite numbers only: zero times anything else is not zero."""
     total, row = 0.0, at(record, k)

@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
+from ...compiled.entries import macro_loop
+from ...compiled.marks import in_c
 from ...errors import CouplingError
 from ...plan.plan import Link, Plan
 from ...slaves import calls as ffi
@@ -32,7 +33,6 @@ from .tables import (
     calls,
     do_step,
     goes_on,
-    macro_loop,
     read_early,
 )
 from .unknowns import Solved, Unknowns
@@ -264,7 +264,7 @@ def advance(
             return
 
 
-@register_jitable
+@in_c
 def repeat_part(
     calls: Calls,
     part: int,
@@ -317,7 +317,7 @@ def repeat_part(
     return False
 
 
-@register_jitable
+@in_c
 def step_slave(
     calls: Calls,
     slave: int,
@@ -353,7 +353,7 @@ def step_slave(
     return read_early(calls, slave, record, k + 1, report)
 
 
-@register_jitable
+@in_c
 def guess(inputs: Feed, slot: int, record: Record, k: int) -> float:
     """An input at the end of the step from row k, on the line through its source's last values."""
     column, value = inputs.column[slot], inputs.packets.value[slot]
@@ -363,7 +363,7 @@ def guess(inputs: Feed, slot: int, record: Record, k: int) -> float:
     return value + inputs.slope[slot] * moved
 
 
-@register_jitable
+@in_c
 def guess_unknowns(
     unknowns: Unknowns, group: int, inputs: Feed, parts: Parts, record: Record, k: int
 ) -> None:
@@ -371,13 +371,13 @@ def guess_unknowns(
         unknowns.value[n] = guess(inputs, parts.unknown_slot[n], record, k)
 
 
-@register_jitable
+@in_c
 def put_unknowns(unknowns: Unknowns, group: int, parts: Parts, ends: Feed) -> None:
     for n in range(unknowns.first[group], unknowns.first[group + 1]):
         ends.packets.value[parts.unknown_slot[n]] = unknowns.value[n]
 
 
-@register_jitable
+@in_c
 def compare_unknowns(unknowns: Unknowns, group: int, parts: Parts, ends: Feed) -> None:
     for n in range(unknowns.first[group], unknowns.first[group + 1]):
         end = ends.packets.value[parts.unknown_slot[n]]

@@ -9,18 +9,17 @@ not, `report` says why. All of them are plain Python, too.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Collection, Sequence
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
-from numba.extending import register_jitable
 
+from ...compiled.marks import in_c
 from ...plan.plan import Plan
 from ...slaves import calls as ffi
 from ...slaves.abi import Addresses
 from ...slaves.base import Slave
-from ...slaves.compiled import keep
+from ...slaves.status import fine
 from .arrays import Ints, References, addresses, ints
 from .record import Record, row_address
 
@@ -28,26 +27,6 @@ NOTHING, SET, GET, STEP, SET_RATES, DERIVE, SAVE, RESTORE, NOT_FINITE, NOT_CONVE
     11
 )
 """What stopped a run; the numbers stand in `report[1]`. Calls have those of `slaves.abi`."""
-
-
-def macro_loop(function: Callable[..., None]) -> Any:
-    """Compile a macro loop, once and for all runs; the plain function stays as `.py_func`.
-
-    It is called with the first and the last macro step, the time of row 0 [s], the step [s], the
-    `Record`, a report, and its master's tables; the report gets the number of rows that are
-    complete, then call, slave and status of what stopped the run.
-
-    References are not counted, since nothing is allocated: for tables of some hundred arrays that
-    would cost more than the FMUs' own work.
-
-    A move is inlined by LLVM (forceinline=True) where that is faster. Never by numba
-    (inline="always"): the code is as fast, compiling takes five times as long, and numba leaves out
-    writes through a second name of a table (`table = refresh.unknowns`, `table.value[n] = ...`).
-    """
-    options: dict[str, Any] = {"nogil": True, "_nrt": False}
-    compiled = njit(**options)(function)
-    keep(compiled, function)
-    return compiled
 
 
 class Calls(NamedTuple):
@@ -103,23 +82,23 @@ def early_columns(plan: Plan, used: Collection[int] = ()) -> list[int]:
     return [sizes[i] if i in whole else plan.steady[i] for i in range(len(plan.names))]
 
 
-@register_jitable(forceinline=True)
+@in_c
 def goes_on(report: Ints, slave: int, call: int, status: int) -> bool:
     """Whether a call's status lets the run go on; if not, the report says who, where and why."""
-    if ffi.fine(status):
+    if fine(status):
         return True
     report[1], report[2], report[3] = call, slave, status
     return False
 
 
-@register_jitable(forceinline=True)
+@in_c
 def do_step(calls: Calls, slave: int, time: float, length: float, report: Ints) -> bool:
     """Step a slave from a time over a length [s]."""
     status = ffi.do_step(calls.do_step[slave], calls.instance[slave], time, length)
     return goes_on(report, slave, STEP, status)
 
 
-@register_jitable(forceinline=True)
+@in_c
 def read_early(calls: Calls, slave: int, record: Record, k: int, report: Ints) -> bool:
     """Read into row k the outputs of a slave that are read right after its step."""
     if calls.early[slave] == 0:

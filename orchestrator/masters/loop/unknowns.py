@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from .arrays import Floats, Ints
+from .arrays import Floats, IntMatrix, Ints
 
 METHODS = ("broyden", "iqn-ils", "aitken", "fixed-point")
 BROYDEN, IQN_ILS, AITKEN, FIXED_POINT = range(4)
@@ -39,7 +39,7 @@ class Unknowns(NamedTuple):
     largest: Floats
     inverse: Floats
     basis: Floats
-    state: Ints
+    state: IntMatrix
 
 
 @dataclass

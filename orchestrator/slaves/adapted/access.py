@@ -2,49 +2,47 @@
 
 from __future__ import annotations
 
-from numba import carray
-from numba.extending import register_jitable
-
-from ..calls import call, worse
-from ..memory import EXACT, F8, I8, U4, load, pointer, save
+from ...compiled.marks import in_c
+from ...compiled.primitives import array, call
+from ..memory import EXACT, F8, I8, U4, load, save
+from ..status import worse
 from .records import HEAD, HELD, KIND, LANE, VARIABLE
 
 DISCARD, ERROR = 2, 3
 
 
-@register_jitable
+@in_c
 def head_of(instance):
     """The tables behind an adaptor's instance."""
-    return carray(pointer(instance), 1, HEAD)[0]
+    return array(instance, 1, HEAD)[0]
 
 
-@register_jitable
+@in_c
 def ask(head, number):
     """Have a variable in the next call of its kind's function; whether it was not there yet."""
-    variable = carray(pointer(head.variables), number + 1, VARIABLE)[number]
+    variable = array(head.variables, number + 1, VARIABLE)[number]
     if variable.stamp == head.stamp:
         return False
-    kind = carray(pointer(head.kinds), variable.kind + 1, KIND)[variable.kind]
+    kind = array(head.kinds, variable.kind + 1, KIND)[variable.kind]
     variable.stamp = head.stamp
     variable.position = kind.used
-    carray(pointer(kind.references), kind.count + 1, U4)[kind.count] = variable.reference
+    array(kind.references, kind.count + 1, U4)[kind.count] = variable.reference
     kind.count += 1
     kind.used += variable.size
     return True
 
 
-@register_jitable
+@in_c
 def transfer(head, setting):
     """Call the functions of all kinds that were asked for; the status."""
-    kinds = carray(pointer(head.kinds), head.kind_count, KIND)
+    kinds = array(head.kinds, head.kind_count, KIND)
     worst = 0
     for n in range(head.kind_count):
         kind = kinds[n]
         if kind.count > 0:
             function = kind.set if setting else kind.get
             if kind.counted == 0:
-                arguments = (head.instance, kind.references, kind.count, kind.buffer)
-                status = call(function, arguments)
+                status = call(function, (head.instance, kind.references, kind.count, kind.buffer))
             else:
                 status = call(
                     function,
@@ -56,11 +54,11 @@ def transfer(head, setting):
     return worst
 
 
-@register_jitable
+@in_c
 def fill(head, number):
     """Bring what a variable is to be set to from its store to the buffer of the next call."""
-    variable = carray(pointer(head.variables), number + 1, VARIABLE)[number]
-    kind = carray(pointer(head.kinds), variable.kind + 1, KIND)[variable.kind]
+    variable = array(head.variables, number + 1, VARIABLE)[number]
+    kind = array(head.kinds, variable.kind + 1, KIND)[variable.kind]
     for n in range(variable.size):
         if kind.type >= 8:  # the last bits of a large number stay
             copy_whole(kind, variable.first + n, variable.position + n)
@@ -69,27 +67,27 @@ def fill(head, number):
             save(kind.type, kind.buffer, variable.position + n, stored)
 
 
-@register_jitable
+@in_c
 def keep(head, number):
     """Bring what was read of a variable from the buffer to its store."""
-    variable = carray(pointer(head.variables), number + 1, VARIABLE)[number]
-    kind = carray(pointer(head.kinds), variable.kind + 1, KIND)[variable.kind]
+    variable = array(head.variables, number + 1, VARIABLE)[number]
+    kind = array(head.kinds, variable.kind + 1, KIND)[variable.kind]
     for n in range(variable.size):
         if kind.type >= 8:
-            found = carray(pointer(kind.buffer), variable.position + n + 1, I8)
-            stored = carray(pointer(kind.store), variable.first + n + 1, I8)
+            found = array(kind.buffer, variable.position + n + 1, I8)
+            stored = array(kind.store, variable.first + n + 1, I8)
             stored[variable.first + n] = found[variable.position + n]
         else:
             value = load(kind.type, kind.buffer, variable.position + n)
             save(kind.type, kind.store, variable.first + n, value)
 
 
-@register_jitable
+@in_c
 def are_doubles(head, references, count):
     """Whether all lanes are doubles of the FMU; then their value references are requested."""
-    lane_of = carray(pointer(references), count, U4)
-    reference = carray(pointer(head.references), 1, I8)
-    request = carray(pointer(head.request), count, U4)
+    lane_of = array(references, count, U4)
+    reference = array(head.references, 1, I8)
+    request = array(head.request, count, U4)
     for i in range(count):
         known = reference[lane_of[i]]
         if known < 0:
@@ -98,7 +96,7 @@ def are_doubles(head, references, count):
     return True
 
 
-@register_jitable
+@in_c
 def call_doubles(head, function, count, values):
     """Call a function over the doubles that were requested; the status."""
     if head.version == 2:
@@ -106,16 +104,16 @@ def call_doubles(head, function, count, values):
     return call(function, (head.instance, head.request, count, values, count))
 
 
-@register_jitable
+@in_c
 def get_lanes(head, references, count, values):
     """Read lanes; the status."""
-    lane_of = carray(pointer(references), count, U4)
-    value = carray(pointer(values), count, F8)
+    lane_of = array(references, count, U4)
+    value = array(values, count, F8)
     if are_doubles(head, references, count):
         return call_doubles(head, head.get_double, count, values)
-    lanes = carray(pointer(head.lanes), 1, LANE)
-    variables = carray(pointer(head.variables), 1, VARIABLE)
-    kinds = carray(pointer(head.kinds), 1, KIND)
+    lanes = array(head.lanes, 1, LANE)
+    variables = array(head.variables, 1, VARIABLE)
+    kinds = array(head.kinds, 1, KIND)
     head.stamp += 1
     for i in range(count):
         number = lanes[lane_of[i]].variable
@@ -139,17 +137,17 @@ def get_lanes(head, references, count, values):
     return status
 
 
-@register_jitable
+@in_c
 def copy_whole(kind, source, target):
     """Bring a whole number of 8 bytes from its store to the buffer, with its last bits."""
-    stored = carray(pointer(kind.store), source + 1, I8)
-    carray(pointer(kind.buffer), target + 1, I8)[target] = stored[source]
+    stored = array(kind.store, source + 1, I8)
+    array(kind.buffer, target + 1, I8)[target] = stored[source]
 
 
-@register_jitable
+@in_c
 def transfer_nothing(head):
     """Forget what was asked for."""
-    kinds = carray(pointer(head.kinds), head.kind_count, KIND)
+    kinds = array(head.kinds, head.kind_count, KIND)
     for n in range(head.kind_count):
         kinds[n].count = 0
         kinds[n].used = 0

@@ -10,12 +10,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import carray, int32
-from numba.extending import register_jitable
 
-from ..calls import call, fine, worse
-from ..compiled import Adaptors, c_function
-from ..memory import F8, U1, U4, pointer
+from ...compiled.entries import c_function
+from ...compiled.marks import in_c
+from ...compiled.primitives import array, call
+from ..compiled import Adaptors
+from ..memory import F8, U1, U4
+from ..status import fine, worse
 from .access import DISCARD, ERROR, get_lanes, head_of
 from .events import CLOSE, STUCK, due, handle_event, next_stop, rest_outputs
 from .records import DIFFERENCE, LANE, VARIABLE
@@ -28,26 +29,26 @@ _FIELDS: Any = DIFFERENCE.fields
 SOURCE_AT, VALUE_AT = (_FIELDS[name][1] for name in ("source", "value"))
 
 
-@register_jitable
+@in_c
 def _move(head, time):
     """Set the inputs that have a rate to where they are at `time`; the status."""
-    lanes = carray(pointer(head.lanes), 1, LANE)
-    lane_of = carray(pointer(head.moving), head.moving_count, U4)
-    value = carray(pointer(head.moving_value), head.moving_count, F8)
+    lanes = array(head.lanes, 1, LANE)
+    lane_of = array(head.moving, head.moving_count, U4)
+    value = array(head.moving_value, head.moving_count, F8)
     for i in range(head.moving_count):
         lane = lanes[lane_of[i]]
         value[i] = lane.value + lane.rate * (time - head.start)
     return set_lanes(head, head.moving, head.moving_count, head.moving_value)
 
 
-@register_jitable
+@in_c
 def _advance(head, time, step, no_return):
     """Step an FMI 3.0 instance to the end of the macro step, however often it returns early."""
     if head.ended:
         return DISCARD
     flags = head.flags
-    said = carray(pointer(flags), 3, U1)
-    last = carray(pointer(flags + 8), 1, F8)
+    said = array(flags, 3, U1)
+    last = array(flags + 8, 1, F8)
     head.start = time
     rest_outputs(head)
     now, end, stuck = time, time + step, 0
@@ -91,20 +92,20 @@ def _advance(head, time, step, no_return):
     head.now, head.armed = end, 1
     if head.moving_count > 0:
         status = _move(head, end)
-        lanes = carray(pointer(head.lanes), 1, LANE)
-        lane_of = carray(pointer(head.moving), head.moving_count, U4)
-        value = carray(pointer(head.moving_value), head.moving_count, F8)
+        lanes = array(head.lanes, 1, LANE)
+        lane_of = array(head.moving, head.moving_count, U4)
+        value = array(head.moving_value, head.moving_count, F8)
         for i in range(head.moving_count):
             lanes[lane_of[i]].value = value[i]
         head.moving_count = 0
     return status
 
 
-@register_jitable
+@in_c
 def _look(head, time, newest):
     """Remember the sources of all differences at `time`; with `newest` bring the rates up to it."""
-    differences = carray(pointer(head.differences), head.difference_count, DIFFERENCE)
-    lanes = carray(pointer(head.lanes), 1, LANE)
+    differences = array(head.differences, head.difference_count, DIFFERENCE)
+    lanes = array(head.lanes, 1, LANE)
     worst = 0
     for n in range(head.difference_count):
         d = differences[n]
@@ -126,13 +127,13 @@ def _look(head, time, newest):
     return worst
 
 
-@register_jitable
+@in_c
 def _gather(head, references, count, known):
     """Number the variables of a directional derivative; how many, and of how many elements."""
-    lane_of = carray(pointer(references), count, U4)
-    lanes = carray(pointer(head.lanes), 1, LANE)
-    variables = carray(pointer(head.variables), 1, VARIABLE)
-    request = carray(pointer(head.knowns if known else head.unknowns), 1, U4)
+    lane_of = array(references, count, U4)
+    lanes = array(head.lanes, 1, LANE)
+    variables = array(head.variables, 1, VARIABLE)
+    request = array(head.knowns if known else head.unknowns, 1, U4)
     head.stamp += 1
     found, size = 0, 0
     for i in range(count):
@@ -152,7 +153,7 @@ adaptors = Adaptors()
 @adaptors
 def get_real(instance, references, count, values):
     """fmi2GetReal over lanes."""
-    return int32(get_lanes(head_of(instance), references, count, values))
+    return get_lanes(head_of(instance), references, count, values)
 
 
 @adaptors
@@ -160,24 +161,24 @@ def set_real(instance, references, count, values):
     """fmi2SetReal over lanes."""
     head = head_of(instance)
     if head.interpolates:
-        lanes = carray(pointer(head.lanes), 1, LANE)
-        lane_of = carray(pointer(references), count, U4)
-        value = carray(pointer(values), count, F8)
+        lanes = array(head.lanes, 1, LANE)
+        lane_of = array(references, count, U4)
+        value = array(values, count, F8)
         for i in range(count):
             lanes[lane_of[i]].value = value[i]
-    return int32(set_lanes(head, references, count, values))
+    return set_lanes(head, references, count, values)
 
 
 @adaptors
 def set_rates(instance, references, count, orders, values):
     """fmi2SetRealInputDerivatives over lanes; all orders are 1."""
     head = head_of(instance)
-    lanes = carray(pointer(head.lanes), 1, LANE)
-    variables = carray(pointer(head.variables), 1, VARIABLE)
-    lane_of = carray(pointer(references), count, U4)
-    value = carray(pointer(values), count, F8)
-    moving = carray(pointer(head.moving), 1, U4)
-    moved = carray(pointer(head.moving_value), 1, F8)
+    lanes = array(head.lanes, 1, LANE)
+    variables = array(head.variables, 1, VARIABLE)
+    lane_of = array(references, count, U4)
+    value = array(values, count, F8)
+    moving = array(head.moving, 1, U4)
+    moved = array(head.moving_value, 1, F8)
     if head.version == 2:
         for i in range(count):
             lane = lanes[lane_of[i]]
@@ -188,7 +189,7 @@ def set_rates(instance, references, count, orders, values):
         lanes[lane_of[i]].rate = value[i]
         moving[i] = lane_of[i]
     head.moving_count = count
-    return int32(OK)
+    return OK
 
 
 @adaptors
@@ -198,26 +199,26 @@ def do_step(instance, time, step, no_return):
     if head.difference_count > 0:
         status = _look(head, time, False)
         if not fine(status):
-            return int32(status)
+            return status
     if head.version == 2:
         status = call(head.do_step, (head.instance, time, step, no_return))
     else:
         status = _advance(head, time, step, no_return)
     if head.difference_count > 0 and fine(status):
         status = worse(status, _look(head, time + step, True))
-    return int32(status)
+    return status
 
 
 @adaptors
 def directional(instance, unknowns, unknown_count, knowns, known_count, seed, result):
     """fmi2GetDirectionalDerivative over lanes."""
     head = head_of(instance)
-    lanes = carray(pointer(head.lanes), 1, LANE)
-    variables = carray(pointer(head.variables), 1, VARIABLE)
-    lane_of = carray(pointer(knowns), known_count, U4)
-    given = carray(pointer(seed), known_count, F8)
+    lanes = array(head.lanes, 1, LANE)
+    variables = array(head.variables, 1, VARIABLE)
+    lane_of = array(knowns, known_count, U4)
+    given = array(seed, known_count, F8)
     known_variables, known_size = _gather(head, knowns, known_count, True)
-    seeds = carray(pointer(head.seed), known_size, F8)
+    seeds = array(head.seed, known_size, F8)
     for i in range(known_size):
         seeds[i] = 0.0
     for i in range(known_count):
@@ -240,13 +241,13 @@ def directional(instance, unknowns, unknown_count, knowns, known_count, seed, re
                 head.seed, known_size, head.result, size,
             ),
         )  # fmt: skip
-    found = carray(pointer(head.result), size, F8)
-    lane_of = carray(pointer(unknowns), unknown_count, U4)
-    taken = carray(pointer(result), unknown_count, F8)
+    found = array(head.result, size, F8)
+    lane_of = array(unknowns, unknown_count, U4)
+    taken = array(result, unknown_count, F8)
     for i in range(unknown_count):
         lane = lanes[lane_of[i]]
         taken[i] = lane.gain * found[variables[lane.variable].position + lane.element]
-    return int32(status)
+    return status
 
 
 @adaptors
@@ -272,7 +273,7 @@ def begin(instance, time):
     head = head_of(instance)
     head.now, head.next_event, head.armed = time, np.inf, 1
     due(head, -np.inf, time)
-    return int32(handle_event(head, time))
+    return handle_event(head, time)
 
 
 @c_function("void(int64, float64, uint8, uint8, uint8, uint8, int64, int64)")
@@ -282,6 +283,6 @@ def intermediate_update(
     """FMI 3.0's callback within a step: inputs that vary linearly are brought to `time`."""
     head = head_of(environment)
     if early_return:
-        carray(pointer(early_return), 1, U1)[0] = 0
+        array(early_return, 1, U1)[0] = 0
     if may_set and head.moving_count > 0:
         _move(head, time)

@@ -7,11 +7,11 @@ stores: an output is kept from tick to tick, an input waits there for the next o
 from __future__ import annotations
 
 import numpy as np
-from numba import carray
-from numba.extending import register_jitable
 
-from ..calls import call, fine, worse
-from ..memory import F8, I4, I8, U1, U4, pointer, save
+from ...compiled.marks import in_c
+from ...compiled.primitives import array, call
+from ..memory import F8, I4, I8, U1, U4, save
+from ..status import fine, worse
 from .access import DISCARD, ERROR, ask, fill, keep, transfer
 from .records import (
     CLOCK,
@@ -34,7 +34,7 @@ REFERENCE, FLAG, INTERVAL, QUALIFIER = 16, 24, 32, 40
 """Places behind `head.flags` for what is asked of a clock."""
 
 
-@register_jitable
+@in_c
 def handle_event(head, time):
     """From event mode back to step mode, active clocks ticking; the status."""
     status = _tick(head)
@@ -51,7 +51,7 @@ def handle_event(head, time):
         )
         if not fine(status):
             return status
-        said = carray(pointer(flags), 5, U1)
+        said = array(flags, 5, U1)
         if said[1]:
             head.ended = 1
             head.ended_at = time
@@ -59,17 +59,17 @@ def handle_event(head, time):
         status = _count_down(head, time)
         if not said[0] and fine(status):
             if not due(head, time, time):
-                head.next_event = carray(pointer(flags + 8), 1, F8)[0] if said[4] else np.inf
+                head.next_event = array(flags + 8, 1, F8)[0] if said[4] else np.inf
                 return call(head.enter_step, (head.instance,))
             status = _tick(head)
     head.stuck = 1
     return ERROR
 
 
-@register_jitable
+@in_c
 def due(head, before, now):
     """Activate the clocks that tick after one time until another [s]; whether there are any."""
-    clocks = carray(pointer(head.clocks), head.clock_count, CLOCK)
+    clocks = array(head.clocks, head.clock_count, CLOCK)
     found = False
     for n in range(head.clock_count):
         clock = clocks[n]
@@ -84,7 +84,7 @@ def due(head, before, now):
     return found
 
 
-@register_jitable
+@in_c
 def next_stop(head, now, end, step):
     """The next time up to `end` at which there is something to do in event mode [s]."""
     if not (head.event_mode and head.variable_step):
@@ -93,7 +93,7 @@ def next_stop(head, now, end, step):
     stop = end
     if head.next_event > now + least:
         stop = min(stop, head.next_event)
-    clocks = carray(pointer(head.clocks), head.clock_count, CLOCK)
+    clocks = array(head.clocks, head.clock_count, CLOCK)
     for n in range(head.clock_count):
         clock = clocks[n]
         if clock.kind == PERIODIC:
@@ -104,50 +104,50 @@ def next_stop(head, now, end, step):
     return stop if stop < end - least else end
 
 
-@register_jitable
+@in_c
 def rest_outputs(head):
     """Have the output clocks not tick, until they do."""
-    clocks = carray(pointer(head.clocks), head.clock_count, CLOCK)
+    clocks = array(head.clocks, head.clock_count, CLOCK)
     for n in range(head.clock_count):
         if clocks[n].kind == OUTPUT:
             _flag(head, clocks[n], 0.0)
 
 
-@register_jitable
+@in_c
 def _flag(head, clock, ticks):
     """Say in its store whether a clock ticks."""
     if clock.variable >= 0:
-        variable = carray(pointer(head.variables), clock.variable + 1, VARIABLE)[clock.variable]
-        kind = carray(pointer(head.kinds), variable.kind + 1, KIND)[variable.kind]
+        variable = array(head.variables, clock.variable + 1, VARIABLE)[clock.variable]
+        kind = array(head.kinds, variable.kind + 1, KIND)[variable.kind]
         save(kind.type, kind.store, variable.first, ticks)
 
 
-@register_jitable
+@in_c
 def _tick(head):
     """Have the FMU know of the input clocks that are active, and of what belongs to them."""
-    clocks = carray(pointer(head.clocks), head.clock_count, CLOCK)
+    clocks = array(head.clocks, head.clock_count, CLOCK)
     flags = head.flags
     for n in range(head.clock_count):
         clock = clocks[n]
         if clock.active and clock.kind != OUTPUT:
-            carray(pointer(flags + REFERENCE), 1, U4)[0] = clock.reference
-            carray(pointer(flags + FLAG), 1, U1)[0] = 1
+            array(flags + REFERENCE, 1, U4)[0] = clock.reference
+            array(flags + FLAG, 1, U1)[0] = 1
             status = call(head.set_clock, (head.instance, flags + REFERENCE, 1, flags + FLAG))
             if not fine(status):
                 return status
     return _clocked(head, True)
 
 
-@register_jitable
+@in_c
 def _keep_clocked(head):
     """Keep what belongs to the clocks that tick, and have them rest; the status."""
-    clocks = carray(pointer(head.clocks), head.clock_count, CLOCK)
+    clocks = array(head.clocks, head.clock_count, CLOCK)
     flags = head.flags
     for n in range(head.clock_count):
         clock = clocks[n]
         if clock.kind == OUTPUT:
-            carray(pointer(flags + REFERENCE), 1, U4)[0] = clock.reference
-            said = carray(pointer(flags + FLAG), 1, U1)
+            array(flags + REFERENCE, 1, U4)[0] = clock.reference
+            said = array(flags + FLAG, 1, U1)
             said[0] = 0
             status = call(head.get_clock, (head.instance, flags + REFERENCE, 1, flags + FLAG))
             if not fine(status):
@@ -161,12 +161,12 @@ def _keep_clocked(head):
     return status
 
 
-@register_jitable
+@in_c
 def _clocked(head, setting):
     """Set the inputs of all clocks that are active, or keep their outputs; the status."""
-    rows = carray(pointer(head.clocked), head.clocked_count, CLOCKED)
-    clocks = carray(pointer(head.clocks), head.clock_count, CLOCK)
-    by = carray(pointer(head.clocked_by), 1, I8)
+    rows = array(head.clocked, head.clocked_count, CLOCKED)
+    clocks = array(head.clocks, head.clock_count, CLOCK)
+    by = array(head.clocked_by, 1, I8)
     for do in range(2):  # all are asked for in one call: then what it brought is kept
         if do == 0:
             head.stamp += 1
@@ -188,16 +188,16 @@ def _clocked(head, setting):
     return transfer(head, True) if setting else 0
 
 
-@register_jitable
+@in_c
 def _count_down(head, time):
     """Ask all countdown clocks when they tick; the status."""
-    clocks = carray(pointer(head.clocks), head.clock_count, CLOCK)
+    clocks = array(head.clocks, head.clock_count, CLOCK)
     flags, worst = head.flags, 0
     for n in range(head.clock_count):
         clock = clocks[n]
         if clock.kind == COUNTDOWN:
-            carray(pointer(flags + REFERENCE), 1, U4)[0] = clock.reference
-            qualifier = carray(pointer(flags + QUALIFIER), 1, I4)
+            array(flags + REFERENCE, 1, U4)[0] = clock.reference
+            qualifier = array(flags + QUALIFIER, 1, I4)
             qualifier[0] = 0
             status = call(
                 head.get_interval,
@@ -205,14 +205,14 @@ def _count_down(head, time):
             )
             worst = worse(worst, status)
             if qualifier[0] == 2:  # it has changed
-                clock.due = time + carray(pointer(flags + INTERVAL), 1, F8)[0]
+                clock.due = time + array(flags + INTERVAL, 1, F8)[0]
     return worst
 
 
-@register_jitable
+@in_c
 def trigger(head, number):
     """Activate an input clock that another FMU's triggers; whether it may tick at this point."""
-    clock = carray(pointer(head.clocks), number + 1, CLOCK)[number]
+    clock = array(head.clocks, number + 1, CLOCK)[number]
     if clock.kind != TRIGGERED or head.armed == 0:
         return False
     clock.active = 1

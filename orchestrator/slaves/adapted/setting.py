@@ -3,27 +3,27 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import carray
-from numba.extending import register_jitable
 
-from ..calls import call, fine, worse
-from ..memory import F8, I8, U4, load, pointer, save
+from ...compiled.marks import in_c
+from ...compiled.primitives import array, call
+from ..memory import F8, I8, U4, load, save
+from ..status import fine, worse
 from .access import ERROR, are_doubles, ask, call_doubles, fill, transfer, transfer_nothing
 from .events import handle_event, trigger
 from .records import DISCRETE, HELD, KIND, LANE, TICK, VARIABLE
 
 
-@register_jitable
+@in_c
 def set_lanes(head, references, count, values):
     """Set lanes; the status."""
-    lane_of = carray(pointer(references), count, U4)
-    value = carray(pointer(values), count, F8)
+    lane_of = array(references, count, U4)
+    value = array(values, count, F8)
     if are_doubles(head, references, count):
         return call_doubles(head, head.set_double, count, values)
-    lanes = carray(pointer(head.lanes), 1, LANE)
-    variables = carray(pointer(head.variables), 1, VARIABLE)
-    kinds = carray(pointer(head.kinds), 1, KIND)
-    touched = carray(pointer(head.touched), 1, I8)
+    lanes = array(head.lanes, 1, LANE)
+    variables = array(head.variables, 1, VARIABLE)
+    kinds = array(head.kinds, 1, KIND)
+    touched = array(head.touched, 1, I8)
     head.stamp += 1
     number, event, ticks = 0, False, False
     for i in range(count):

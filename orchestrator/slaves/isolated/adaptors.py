@@ -11,9 +11,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import carray, int32, int64
-from numba.extending import register_jitable
 
+from ...compiled.marks import in_c
+from ...compiled.primitives import array, bits, call
 from ..abi import (
     DIRECTIONAL,
     DO_STEP,
@@ -27,9 +27,9 @@ from ..abi import (
     Function,
     Role,
 )
-from ..calls import call, fine, worse
 from ..compiled import Adaptors
-from ..memory import I8, U4, bits, pointer
+from ..memory import I8, U4
+from ..status import fine, worse
 from . import protocol as p
 
 OK, ERROR, FATAL = 0, 3, 4
@@ -51,7 +51,7 @@ COUNT = _by_argument(lambda function, argument: function.place(argument.count))
 ANSWERS = np.array([False, *(function.answers for function in FUNCTIONS.values())])
 
 
-@register_jitable
+@in_c
 def _signal(slots):
     """Have the worker carry out what is waiting; the status."""
     if slots[p.FAILED] != 0:
@@ -72,21 +72,21 @@ def _signal(slots):
     return slots[p.STATUS]
 
 
-@register_jitable
+@in_c
 def _words(code, arguments, n):
     """Words of 4 bytes of an array."""
     count = COUNT[code, n]
     return WORDS[code, n] * (arguments[count] if count >= 0 else 1)
 
 
-@register_jitable
+@in_c
 def _copy(source, target, words):
-    given, taken = carray(pointer(source), words, U4), carray(pointer(target), words, U4)
+    given, taken = array(source, words, U4), array(target, words, U4)
     for n in range(words):
         taken[n] = given[n]
 
 
-@register_jitable
+@in_c
 def _slots_of(code, arguments):
     """Slots that a command takes."""
     slots = 1
@@ -98,7 +98,7 @@ def _slots_of(code, arguments):
     return slots
 
 
-@register_jitable
+@in_c
 def _write(memory, slots, code, arguments):
     """Put a command behind those that wait."""
     place = p.HEAD + slots[p.USED]
@@ -116,20 +116,20 @@ def _write(memory, slots, code, arguments):
     slots[p.USED] = place - p.HEAD
 
 
-@register_jitable
+@in_c
 def _command(memory, code, arguments):
     """Have the worker call a function, now or when something is asked for; the status."""
-    slots = carray(pointer(memory), 1, I8)
+    slots = array(memory, 1, I8)
     status = OK
     needed = _slots_of(code, arguments)
     if needed > slots[p.CAPACITY]:
-        return int32(ERROR)
+        return ERROR
     if slots[p.USED] + needed > slots[p.CAPACITY]:
         status = _signal(slots)
     if slots[p.FAILED] != 0:
-        return int32(FATAL)
+        return FATAL
     if not fine(status):
-        return int32(status)
+        return status
     _write(memory, slots, code, arguments)
     if ANSWERS[code]:
         status = worse(status, _signal(slots))
@@ -137,7 +137,7 @@ def _command(memory, code, arguments):
             if fine(status) and (ROLE[code, n] == RESULT or ROLE[code, n] == BOTH):
                 result = memory + 8 * (p.HEAD + slots[p.CAPACITY])
                 _copy(result, arguments[n], _words(code, arguments, n))
-    return int32(status)
+    return status
 
 
 adaptors = Adaptors()
@@ -155,7 +155,7 @@ def get_real(instance, references, count, values):
 
 @adaptors
 def do_step(instance, time, step, no_return):
-    return _command(instance, DO_STEP, (bits(time), bits(step), int64(no_return)))
+    return _command(instance, DO_STEP, (bits(time), bits(step), no_return))
 
 
 @adaptors
@@ -165,8 +165,9 @@ def set_rates(instance, references, count, orders, values):
 
 @adaptors
 def directional(instance, unknowns, unknown_count, knowns, known_count, seed, result):
-    arguments = (unknowns, unknown_count, knowns, known_count, seed, result)
-    return _command(instance, DIRECTIONAL, arguments)
+    return _command(
+        instance, DIRECTIONAL, (unknowns, unknown_count, knowns, known_count, seed, result)
+    )
 
 
 @adaptors

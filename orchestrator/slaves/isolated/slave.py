@@ -41,8 +41,8 @@ KEPT = 2000
 LONGEST_LINE = 1 << 20
 """Bytes of a line of the log above which it is none."""
 
-START = 600.0
-"""Wall time [s] for a worker to start and, once, to compile what stands before its FMU."""
+START = 60.0
+"""Wall time [s] for a worker to start."""
 
 
 class IsolatedSlave(Slave):

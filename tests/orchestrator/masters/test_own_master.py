@@ -11,7 +11,7 @@ import pytest
 
 def outcome(code: str, folder: Path) -> str:
     """What a script says in a process of its own, which it must not take down or hang."""
-    script = folder / "script.py"  # numba keeps what comes from a file only
+    script = folder / "script.py"  # what is compiled comes from a file
     script.write_text(code)
     done = subprocess.run(
         [sys.executable, script], capture_output=True, text=True, check=False, timeout=300
@@ -27,11 +27,13 @@ from support.coupled_models import oscillator
 from orchestrator import simulate
 from orchestrator.masters.base import Master, Prepared, all_masters
 from orchestrator.masters.loop import held
-from orchestrator.masters.loop.record import at
-from orchestrator.masters.loop.tables import macro_loop
+from orchestrator.masters.loop.arrays import Ints
+from orchestrator.masters.loop.record import Record, at
+from orchestrator.compiled.entries import macro_loop
 
 @macro_loop
-def advance(first, last, start, step, record, report, *tables):
+def advance(first: int, last: int, start: float, step: float, record: Record, report: Ints,
+            *tables):
     for k in range(first, last):
         old = at(record, k - {rows} if k + 1 > {after} else k)
         new = at(record, k + 1)
@@ -75,17 +77,22 @@ def test_master_that_looks_too_far_back_is_told_and_reads_no_foreign_memory(
 
 LEAVING = """
 import numpy as np
-from orchestrator.masters.loop.crew import STEPPED, Together, crew_of, meet
-from orchestrator.masters.loop.tables import macro_loop
+from orchestrator.masters.loop.arrays import Ints
+from orchestrator.masters.loop.crew import Crew, STEPPED, Together, crew_of, meet
+from orchestrator.masters.loop.record import Record, record_of
+from orchestrator.compiled.entries import macro_loop
 
 @macro_loop
-def advance(first, last, start, step, record, report, crew):
+def advance(first: int, last: int, start: float, step: float, record: Record, report: Ints,
+            crew: Crew):
     if crew.thread == 1:
         raise IndexError("gone")
     meet(crew, STEPPED, report)
 
 try:
-    Together(advance, crew_of([[0], [1], [2]]))(0, 1, 0.0, 1.0, 0, np.zeros(4, np.int64), None)
+    record = record_of(np.zeros((2, 1)), np.zeros((1, 1)))
+    threads = Together(advance, crew_of([[0], [1], [2]]))
+    threads(0, 1, 0.0, 1.0, record, np.zeros(4, np.int64), None)
 except IndexError as error:
     print(error)
 """
