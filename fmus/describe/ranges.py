@@ -79,6 +79,7 @@ def _limit(place: str, name: str, given: Mapping[str, Any], units: Mapping[str, 
         ends.get("largest"),
         **{text: str(given[text]) for text in TEXTS},
         void=bool(given.get("void", False)),
+        allowed=_in(place, given["allowed"], "1") if "allowed" in given else 0.0,
     )
 
 

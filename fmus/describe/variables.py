@@ -68,7 +68,8 @@ class Limit:
     """Outputs and the values [their SI unit] that the block's laws hold for.
 
     beyond: what lies outside. remedy: what helps. void: what lies outside means nothing, rather
-    than being less sure.
+    than being less sure. allowed: share of a run's time that an output may be outside while the
+    answer as a whole still holds.
     """
 
     name: str
@@ -81,6 +82,7 @@ class Limit:
     basis: str = ""
     source: str = ""
     void: bool = False
+    allowed: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -201,6 +201,7 @@ def _range(block: Block | Model) -> str:
     for limit in limits:
         ends = {"≥": limit.least, "≤": limit.largest}
         held = ", ".join(f"{sign} {end:.4g}" for sign, end in ends.items() if end is not None)
+        held += f"; outside {limit.allowed:.0%} of the time at most" if limit.allowed else ""
         told = (limit.beyond, limit.remedy, limit.basis, limit.source)
         rows.append((", ".join(limit.outputs), held, limit.unit, *told))
     return (

@@ -138,7 +138,8 @@ class Limit:
     """Outputs, and the values [their unit] that the FMU's laws hold for, as it states them.
 
     beyond: what lies outside, remedy: what helps, both in words. void: whether what lies outside
-    means nothing, rather than being less sure.
+    means nothing, rather than being less sure. allowed: share of a run's time that an output may be
+    outside while the answer as a whole holds.
     """
 
     outputs: tuple[str, ...]
@@ -149,6 +150,7 @@ class Limit:
     remedy: str = ""
     source: str = ""
     void: bool = False
+    allowed: float = 0.0
 
 
 @dataclass(frozen=True, repr=False)

@@ -349,7 +349,8 @@ def _limits(path: Path, root: Any, variables: Mapping[str, Variable]) -> tuple[L
                 )
         texts = {name: e.get(name, "") for name in ("unit", "beyond", "remedy", "source")}
         ends = (_end(path, e.get("min", "-inf")), _end(path, e.get("max", "inf")))
-        limits.append(Limit(outputs, *ends, **texts, void=e.get("void") == "true"))
+        allowed = _end(path, e.get("allowed", "0"))
+        limits.append(Limit(outputs, *ends, **texts, void=e.get("void") == "true", allowed=allowed))
     return tuple(limits)
 
 
@@ -357,7 +358,7 @@ def _end(path: Path, text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise FmuError(f"'{path}' states a range with the end '{text}', no number") from None
+        raise FmuError(f"'{path}' states a range with '{text}', no number") from None
 
 
 def _annotated(root: Any, place: str) -> list[Any]:

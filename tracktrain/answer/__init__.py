@@ -48,7 +48,7 @@ def parts(
         found.insert(0, Part("coupling", verdict.level, text))
     if known.looked_at or _is_car(dataset):
         # A run that began outside is not mended by what is said of its coupling.
-        began = any(departure.row == 0 for departure in known.departures)
+        began = any(d.row == 0 and not d.at_edge for d in known.departures)
         unsure = verdict is not None and verdict.level is Level.BAD and not began
         found.insert(0 if began else 1, _range(known, events(whole), unsure))
     if _is_car(dataset):
@@ -123,25 +123,28 @@ def _settled(found: dict[str, Settling], stands: Standing | None) -> tuple[Level
 
 def _range(known: Range, happened: list[Event], unsure: bool) -> Part:
     """unsure: whether the coupling may have led the run there."""
-    missing = _unknown(known)
+    beyond = [d for d in known.departures if not d.at_edge]
     derailed = [event for event in happened if event.kind == DERAILMENT]
-    if derailed:
-        missing = f" {_capital(_derailed(derailed))}{missing}"
-    if known.departures:
-        worst, *others = known.departures
+    unknown = _unknown(known)
+    said = []
+    if beyond:
+        worst, *others = beyond
         more = [f"{d.limit.beyond} (from {d.time:.3g} s, worst {d.found})" for d in others]
-        said = f" Also outside: {'; '.join(more)}." if more else ""
-        level = Level.BAD if worst.limit.void or derailed else Level.DOUBTFUL
-        said += " The coupling may be what led there; mend it first." if unsure else ""
-        return Part("range", level, f"{_capital(str(worst))}.{said}{missing}")
-    if derailed:
-        return Part("range", Level.BAD, missing[1:])
-    inside = "The run stayed inside the limits that its FMUs state."
-    if not known.looked_at:
-        return Part(
-            "range", Level.UNKNOWN, missing[1:] or "The run does not say what its FMUs hold for."
-        )
-    return Part("range", Level.UNKNOWN if missing else Level.GOOD, f"{inside}{missing}")
+        said.append(f"{_capital(str(worst))}.")
+        said += [f"Also outside: {'; '.join(more)}."] if more else []
+        said += ["The coupling may be what led there; mend it first."] if unsure else []
+    said += [_capital(_derailed(derailed))] if derailed else []
+    if not said and known.looked_at:
+        said.append("The run stayed inside the limits that its FMUs state.")
+    said += [f"{_capital(str(d))}." for d in known.departures if d.at_edge]
+    said += unknown or ([] if said else ["The run does not say what its FMUs hold for."])
+    if derailed or any(d.limit.void for d in beyond):
+        level = Level.BAD
+    elif beyond:
+        level = Level.DOUBTFUL
+    else:
+        level = Level.UNKNOWN if unknown or not known.looked_at else Level.GOOD
+    return Part("range", level, " ".join(said))
 
 
 def _derailed(found: list[Event]) -> str:
@@ -156,15 +159,15 @@ def _derailed(found: list[Event]) -> str:
     )
 
 
-def _unknown(known: Range) -> str:
-    """What of the range is not known, as sentences that follow others."""
-    said = ""
+def _unknown(known: Range) -> list[str]:
+    """Sentences on what of the range is not known."""
+    said = []
     if known.silent:
-        said += f" Not known for {', '.join(known.silent)}: the FMU states no range."
+        said.append(f"Not known for {', '.join(known.silent)}: the FMU states no range.")
     if known.unrecorded:
         first, *others = known.unrecorded
         more = f" and {len(others)} more" if others else ""
-        said += f" Not looked at, since it was not recorded: {first}{more}; record it (--record)."
+        said.append(f"Not looked at, as it was not recorded: {first}{more}; record it (--record).")
     return said
 
 

@@ -68,6 +68,11 @@ class Departure:
     share: float
 
     @property
+    def at_edge(self) -> bool:
+        """Whether it lasted no longer than the FMU allows."""
+        return self.share <= self.limit.allowed
+
+    @property
     def where(self) -> str:
         """What left the range first, and how many others did."""
         return self.first + (f" and {self.count - 1} more" if self.count > 1 else "")
@@ -88,6 +93,12 @@ class Departure:
         return " and ".join(said)
 
     def __str__(self) -> str:
+        if self.at_edge:
+            return (
+                f"{self.limit.beyond} for up to {_percent(self.share)} of the time "
+                f"({_percent(self.limit.allowed)} are allowed), worst {self.found} at "
+                f"{self.worst_time:.3g} s ({self.worst}); {self.limit.remedy}"
+            )
         station = "" if self.station is None else f" ({self.station:.3g} m along the track)"
         return (
             f"outside the model: {self.limit.beyond}, from t = {self.time:.3g} s{station} on at "
@@ -134,7 +145,7 @@ def range_of(dataset: xr.Dataset) -> Range:
             beyond.setdefault(watch.limit.beyond, []).append(watch)
     found = (_departure(dataset, group) for group in beyond.values())
     return Range(
-        tuple(sorted(found, key=lambda d: (not d.limit.void, d.row))),
+        tuple(sorted(found, key=lambda d: (d.at_edge, not d.limit.void, d.row))),
         tuple(name for name in provenance.fmus if name not in stated),
         tuple(dict.fromkeys(w.output for w in watches if w.output not in dataset)),
         len(there),

@@ -122,6 +122,7 @@ def _limit(limit: Limit) -> dict[str, str]:
         "basis": limit.basis,
         "source": limit.source,
         "void": "true" if limit.void else "false",
+        "allowed": repr(limit.allowed),
     }
 
 

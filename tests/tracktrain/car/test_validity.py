@@ -105,3 +105,12 @@ def test_chunks_hold_every_row_once():
     found = list(chunks(run, ["track.distance"], size=2))
     assert [first for first, _ in found] == [0, 2]
     assert np.concatenate([v["track.distance"] for _, v in found]).tolist() == [0.0, 9.0, 18.0]
+
+
+def test_a_limit_may_be_passed_for_the_share_of_time_that_the_fmu_allows():
+    edge = {**TURNED, "void": False, "allowed": 0.4}
+    short = ranged(recorded({"wheelset_11": [edge]}, **{"wheelset_11.yaw": [0.0, 0.2, 0.0]}))
+    assert short.level.value == "good"
+    assert "Wheelsets turned too far for up to 33% of the time" in short.text
+    longer = ranged(recorded({"wheelset_11": [edge]}, **{"wheelset_11.yaw": [0.0, 0.2, 0.2]}))
+    assert longer.level.value == "doubtful"
