@@ -124,7 +124,7 @@ class Chart {
     svg.append(text(LEFT + this.room / 2, tall - 8, this.label, { fill: ink }));
     const inside = (x) => Math.min(Math.max(this.across(x), LEFT), LEFT + this.room);
     for (const { from, to, colour: own } of this.bands)
-      svg.append(drawn("rect", { class: "band", x: inside(from), width: Math.max(inside(to) - inside(from), 1), y: TOP, height: bottom - TOP, fill: own, "fill-opacity": 0.2 }));
+      svg.append(drawn("rect", { class: "band", x: inside(from), width: Math.max(inside(to) - inside(from), 1), y: TOP, height: bottom - TOP, fill: own, "fill-opacity": 0.12 }));
     (this.units.length ? this.units : [""]).forEach((unit, row) => {
       const top = TOP + row * (this.height + GAP), own = this.traces.filter((trace) => trace.unit === unit);
       const [low, high] = this.bounds(own), place = (y) => top + this.height - ((y - low) / (high - low)) * this.height;
