@@ -112,3 +112,18 @@ def progress_bar(title: str, hidden: bool = False) -> Iterator[Progress]:
     ):
         task = bar.add_task(title, total=1.0)
         yield lambda share: bar.update(task, completed=share)
+
+
+@contextmanager
+def runs_shown() -> Iterator[Callable[[], None]]:
+    """A count of runs on the terminal's error stream; nothing where that is no terminal."""
+    console, count = Console(stderr=True), 0
+    with console.status("running the car") if console.is_terminal else nullcontext() as status:
+
+        def seen() -> None:
+            nonlocal count
+            count += 1
+            if status is not None:
+                status.update(f"run {count} of the car")
+
+        yield seen
