@@ -76,6 +76,7 @@ def test_a_run_of_no_car_has_no_events():
 def test_a_derailment_makes_the_range_bad_and_says_what_to_do():
     ranged = next(part for part in parts(run_of(ratio=range(10, 40))) if part.name == "range")
     assert ranged.level.value == "bad"
+    assert ranged.text.startswith("Derailment: ")
     assert (
         "derailment: wheelset_11 left from t = 0.1 s (2 m along the track)" in ranged.text.lower()
     )

@@ -133,12 +133,14 @@ def _range(known: Range, happened: list[Event], unsure: bool) -> Part:
         said.append(f"{_capital(str(worst))}.")
         said += [f"Also outside: {'; '.join(more)}."] if more else []
         said += ["The coupling may be what led there; mend it first."] if unsure else []
-    said += [_capital(_derailed(derailed))] if derailed else []
+    void = any(d.limit.void for d in beyond)
+    if derailed:
+        said.insert(len(said) if void else 0, _capital(_derailed(derailed)))
     if not said and known.looked_at:
         said.append("The run stayed inside the limits that its FMUs state.")
     said += [f"{_capital(str(d))}." for d in known.departures if d.at_edge]
     said += unknown or ([] if said else ["The run does not say what its FMUs hold for."])
-    if derailed or any(d.limit.void for d in beyond):
+    if derailed or void:
         level = Level.BAD
     elif beyond:
         level = Level.DOUBTFUL
