@@ -22,6 +22,11 @@ QUIET = """\
 #pragma GCC diagnostic ignored "-Wunused-function"
 #endif
 """
+SELECTED = """\
+/* C's own ask whether an argument is not a number, which costs more than the choice. */
+#define fmin(x, y) ((x) < (y) ? (x) : (y))
+#define fmax(x, y) ((x) > (y) ? (x) : (y))
+"""
 TABLE_SLOTS = 16
 """Pages of a table that an instance keeps: more than the car's length spans."""
 
@@ -83,7 +88,7 @@ def _equations(block: Block) -> str:
     with tempfile.TemporaryDirectory() as folder:
         generator.generate(folder + "/")
         text = (Path(folder) / "equations.c").read_text()
-    return QUIET + _without_queries(text)
+    return QUIET + SELECTED + _without_checks(_without_queries(text))
 
 
 def _without_queries(text: str) -> str:
@@ -95,6 +100,21 @@ def _without_queries(text: str) -> str:
         re.DOTALL,
     )
     return re.sub(r"\n{3,}", "\n\n", query.sub("", text))
+
+
+def _without_checks(text: str) -> str:
+    """The code without questions whether an argument or a result was given: the core gives all.
+
+    What other generated functions call may be asked for some of its results.
+    """
+    text = re.sub(r"(arg\[\d+\])\? (arg\[\d+\]\[\d+\]) : 0;", r"\2;", text)
+    called = set(re.findall(r"if \((casadi_f\d+)\(", text))
+
+    def function(match: re.Match[str]) -> str:
+        own = match[1] not in called
+        return re.sub(r"if \(res\[\d+\]!=0\) ", "", match[0]) if own else match[0]
+
+    return re.sub(r"static int (casadi_f\d+)\(.*?\n\}\n", function, text, flags=re.DOTALL)
 
 
 def _counts(block: Block) -> str:
