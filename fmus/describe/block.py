@@ -54,6 +54,8 @@ class Block:
 
     limits: what its laws hold for, where this does not stand in the folder's `range.toml`.
     stands_for: the block whose ports this one has too, and whose numbers it shares.
+    switch: the enumeration that chooses among laws, each of which is a function of its own.
+    led: of such a block the outputs, the first ones, whose slopes masters ask for in every step.
     """
 
     name: str
@@ -70,6 +72,7 @@ class Block:
     table: Table | None = None
     switch: str | None = None
     limits: Sequence[Limit] | None = None
+    led: Sequence[str] = ()
     stands_for: str | None = None
 
     home: str = ""
@@ -172,6 +175,14 @@ class Block:
         The dependencies of the outputs are read from these, since a choice hides their sparsity.
         """
         return [self.functions.outputs_beyond]
+
+    def output_laws(self) -> Sequence[ca.Function]:
+        """The functions (x, u, p, d, lookup) -> y of the items of `switch`, in their order."""
+        return []
+
+    def led_laws(self) -> Sequence[ca.Function]:
+        """Those to the outputs `led` alone, with exact derivatives; of the first items."""
+        return []
 
     def derivative(self, x: Signals, u: Signals, p: Signals, d: Signals) -> Signals:
         """Time derivatives of the continuous states, the memory as it is."""
@@ -358,11 +369,25 @@ class Functions:
             else outputs("outputs_beyond", block.output_beyond(x, u, p, d))
         )
         self._continuous, self._slope = len(block.continuous), block.output_slope()
+        self.output_laws, self._led_laws = block.output_laws(), block.led_laws()
 
     @property
     def has_margin(self) -> bool:
         """Whether `step` and `outputs` have a margin, and functions that hold beyond it."""
         return self.outputs_beyond is not self.outputs
+
+    @cached_property
+    def slope_laws(self) -> Sequence[ca.Function]:
+        """(x, u, p, d, lookup) -> slopes of the outputs `led`, shape (inputs, outputs), by law."""
+
+        def slopes(law: ca.Function) -> ca.Function:
+            plain = law.is_a("SXFunction")
+            at: Any = law.sx_in() if plain else law.mx_in()
+            found = ca.densify(ca.jacobian(law(*at), at[1]).T)
+            name = law.name().replace("led", "slopes")
+            return ca.Function(name, at, ca.cse([found]) if plain else [found])
+
+        return [slopes(law) for law in self._led_laws]
 
     @property
     def stations_forward(self) -> ca.Function:

@@ -74,7 +74,10 @@ def generated_functions(block: Block) -> dict[str, ca.Function]:
         names += ["step_beyond", "outputs_beyond"]
     if block.table:
         names += ["stations", "stations_forward"]
-    functions = {name: getattr(f, name) for name in names}
+    laws = [*f.output_laws, *f.slope_laws]
+    if f.output_laws:
+        names.remove("outputs")
+    functions = {name: getattr(f, name) for name in names} | {law.name(): law for law in laws}
     return functions | ({"page": block.table.page} if block.table else {})
 
 
@@ -88,7 +91,23 @@ def _equations(block: Block) -> str:
     with tempfile.TemporaryDirectory() as folder:
         generator.generate(folder + "/")
         text = (Path(folder) / "equations.c").read_text()
-    return QUIET + SELECTED + _without_checks(_without_queries(text))
+    laws = {"outputs": block.functions.output_laws, "slopes": block.functions.slope_laws}
+    choices = (_chosen(block, name, found) for name, found in laws.items() if found)
+    return QUIET + SELECTED + _without_checks(_without_queries(text)) + "\n".join(choices)
+
+
+def _chosen(block: Block, name: str, laws: Sequence[ca.Function]) -> str:
+    """A function that calls that of the law which the parameter `switch` chooses."""
+    place = [parameter.name for parameter in block.parameters].index(block.switch)
+    cases = "\n".join(
+        f"    case {number}: return {law.name()}(arg, res, iw, w, mem);"
+        for number, law in enumerate(laws, start=1)
+    )
+    return (
+        f"static int {name}(const casadi_real** arg, casadi_real** res, casadi_int* iw, "
+        f"casadi_real* w, int mem) {{\n  switch ((int)arg[2][{place}]) {{\n{cases}\n"
+        "    default: return 1;\n  }\n}\n"
+    )
 
 
 def _without_queries(text: str) -> str:
@@ -134,6 +153,7 @@ def _counts(block: Block) -> str:
         "N_INDICATORS": block.functions.event_indicators.numel_out(),
         "N_DERIVED": block.functions.derived.numel_out(0),
         "N_TRANSITION": block.functions.transition.numel_out(),
+        "N_LED": len(block.led),
         "HAS_MARGIN": int(block.functions.has_margin),
         "TABLE_STATIONS": table.station_count if table else 0,
         "TABLE_VALUES": table.values if table else 0,

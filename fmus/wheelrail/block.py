@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from functools import partial
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import casadi as ca
@@ -148,6 +147,7 @@ class WheelRail(Block):
     )
 
     switch = "creep_law"
+    led = ("force_y", "moment_z")
 
     def derived(self, p: Signals) -> Signals:
         return static_contact(p)
@@ -161,6 +161,15 @@ class WheelRail(Block):
 
     def output_slope(self) -> ca.Function:
         return self._by_law("outputs_slope", differentiable)
+
+    def output_laws(self) -> list[ca.Function]:
+        return [self._branch(law, common_creepage, name=f"outputs_{law}") for law in CREEP_LAWS]
+
+    def led_laws(self) -> list[ca.Function]:
+        return [
+            self._branch(law, differentiable, name=f"led_{law}", outputs=self.led)
+            for law in CREEP_LAWS
+        ]
 
     def _by_law(self, name: str, rotation: Rotation) -> ca.Function:
         """One branch for each creep law, so that a law costs nothing where it is not chosen."""
@@ -186,12 +195,26 @@ class WheelRail(Block):
         }
 
     def _branch(
-        self, name: str, rotation: Rotation, options: dict[str, Any] | None = None
+        self,
+        law_name: str,
+        rotation: Rotation,
+        options: dict[str, Any] | None = None,
+        *,
+        name: str | None = None,
+        outputs: Sequence[str] | None = None,
     ) -> ca.Function:
-        """Outputs under one creep law, with the wheelset's rotation found in this way."""
-        law = LAWS.get(name)
-        kind: Any = ca.MX if name == "fastsim" else ca.SX  # the grid stays a loop in C
-        forces = self._of_signals(name, kind, partial(self._outputs, law), "common")
+        """Outputs under one creep law, with the wheelset's rotation found in this way.
+
+        outputs: names of some; None for all. name: of the function, else the law's.
+        """
+        law = LAWS.get(law_name)
+        kind: Any = ca.MX if law_name == "fastsim" else ca.SX  # the grid stays a loop in C
+
+        def wanted(*at: Any) -> list[Any]:
+            found = self._outputs(law, *at)
+            return [ca.vertcat(*(found[n] for n in outputs or (v.name for v in self.outputs)))]
+
+        forces = self._of_signals("forces", kind, wanted, "common")
         # Without a root to find all is one expression, which costs least.
         outer: Any = ca.MX if law else ca.SX
         x, lookup = outer(0, 1), outer(0, 0)
@@ -200,7 +223,9 @@ class WheelRail(Block):
         if law:
             wheels = self._of_signals("wheels", ca.SX, _wheels)(u, p, d)
             common = rotation(law, kind)(*wheels)
-        return ca.Function(name, [x, u, p, d, lookup], [forces(u, p, d, common)], options or {})
+        return ca.Function(
+            name or law_name, [x, u, p, d, lookup], [forces(u, p, d, common)], options or {}
+        )
 
     def _of_signals(self, name: str, kind: Any, function: Callable[..., Any], *more: str) -> Any:
         """CasADi function of u, p, d and further symbols, out of one of their signals."""
@@ -212,8 +237,6 @@ class WheelRail(Block):
             _by_name(self.derived_shapes, d),
             *further,
         )
-        if isinstance(found, dict):
-            found = [ca.vertcat(*(found[port.name] for port in self.outputs))]
         return ca.Function(name, [u, p, d, *further], found)
 
     def _outputs(

@@ -37,7 +37,7 @@ void core_reset(Instance *instance) {
         s->value[FIRST_PARAMETER + i] = VARIABLE_INFO[i].start;
     memcpy(s->given, s->value + FIRST_INPUT, N_INPUTS * sizeof(double));
     s->phase = INSTANTIATED;
-    s->derived_stale = s->states_stale = s->outputs_stale = 1;
+    s->derived_stale = s->states_stale = s->outputs_stale = s->slopes_stale = 1;
     forget_caches(instance);
 }
 
@@ -46,13 +46,13 @@ Status core_start(Instance *instance, double time) {
     if (!finite_number(time)) return core_fail(instance, "the start time must be finite");
     s->time = s->value[0] = time;
     s->phase = INITIALIZING;
-    s->states_stale = s->outputs_stale = 1;
+    s->states_stale = s->outputs_stale = s->slopes_stale = 1;
     return OK;
 }
 
 Status core_finish_initialization(Instance *instance) {
     State *s = &instance->state;
-    s->states_stale = s->outputs_stale = 1;
+    s->states_stale = s->outputs_stale = s->slopes_stale = 1;
     if (refresh_states(instance) != OK) return ERROR;
     const char *lost = first_lost(s->x, s->value + FIRST_INPUT);
     if (lost)
@@ -118,7 +118,7 @@ static Status check_settable(Instance *instance, uint32_t reference, Kind kind, 
 }
 
 static void store(State *s, uint32_t reference, double value) {
-    s->outputs_stale = 1;
+    s->outputs_stale = s->slopes_stale = 1;
     if (reference >= FIRST_OUTPUT) {
         s->x[continuous_place(STATE_REFERENCE, reference)] = value;
         return;
@@ -232,7 +232,7 @@ Status core_get_kind(Instance *instance, uint32_t reference, Kind kind, double *
 
 Status core_check_state(Instance *instance, const State *s) {
     const char *broken = NULL;
-    int flags = s->derived_stale | s->states_stale | s->outputs_stale;
+    int flags = s->derived_stale | s->states_stale | s->outputs_stale | s->slopes_stale;
     if ((unsigned)s->phase > TERMINATED || (flags & ~1) || !finite_number(s->time)) broken = "time or mode";
     for (uint32_t r = FIRST_PARAMETER; !broken && r < FIRST_OUTPUT; r++) {
         const VariableInfo *info = VARIABLE_INFO + r - 1;
@@ -257,6 +257,7 @@ Status core_restore(Instance *instance, const State *state) {
     if (memcmp(instance->state.d, state->d, sizeof state->d) != 0)
         forget_caches(instance);
     memcpy(&instance->state, state, sizeof *state);
-    instance->state.outputs_stale = 1; /* the lookup behind them is the instance's, not the state's */
+    /* The lookup behind the outputs, and slopes, are the instance's, not the state's. */
+    instance->state.outputs_stale = instance->state.slopes_stale = 1;
     return OK;
 }

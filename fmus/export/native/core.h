@@ -59,7 +59,7 @@ typedef struct {
     double mode[N_MODES + 1];
     double d[N_DERIVED + 1];
     Phase phase;
-    int derived_stale, states_stale, outputs_stale;
+    int derived_stale, states_stale, outputs_stale, slopes_stale;
 } State;
 
 typedef void (*Report)(void *environment, Status status, const char *message);
@@ -76,6 +76,8 @@ typedef struct {
     /* What steps of that size need, also a cache of the kind; a size below 0 is of none. */
     double transition[N_TRANSITION + 1], transition_size;
     double lookup[TABLE_ROWS * TABLE_STATIONS + 1];
+    /* Of the first outputs by all inputs, where these and the states are now. */
+    double slope[N_LED * N_INPUTS + 1];
     const double *arg[WORK_ARG + 1];
     double *res[WORK_RES + 1];
     long long iw[WORK_IW + 1];

@@ -179,7 +179,7 @@ Status update_memory(Instance *instance) {
             return core_fail(instance, "%s is no longer finite at t = %.17g s", STATE_NAME[N_CONTINUOUS + i], s->time);
     memcpy(s->x + N_CONTINUOUS, memory, sizeof memory);
     memcpy(s->mode, mode, N_MODES * sizeof *mode);
-    s->outputs_stale = 1;
+    s->outputs_stale = s->slopes_stale = 1;
 #endif
     return OK;
 }
@@ -260,7 +260,7 @@ Status core_advance(Instance *instance, double time, double size, long count) {
     memcpy(inputs(s), u, N_INPUTS * sizeof *u);
     memset(s->rate, 0, sizeof s->rate);
     s->time = s->value[0] = time + size;
-    s->outputs_stale = 1;
+    s->outputs_stale = s->slopes_stale = 1;
     return OK;
 }
 
@@ -276,10 +276,39 @@ int continuous_place(const uint32_t *table, uint32_t reference) {
     return -1;
 }
 
+#if N_LED
+/* Whether slopes of outputs by inputs alone were asked for, which one evaluation gives; and then they. */
+static int led_slopes(Instance *instance, const uint32_t *unknown, size_t unknown_count, const uint32_t *known,
+                      size_t known_count, const double *seed, double *sensitivity) {
+    State *s = &instance->state;
+    for (size_t i = 0; i < unknown_count; i++)
+        if (unknown[i] - FIRST_OUTPUT >= N_LED) return 0;
+    for (size_t k = 0; k < known_count; k++)
+        if (known[k] - FIRST_INPUT >= N_INPUTS) return 0;
+    if (s->slopes_stale) {
+        common_arguments(instance, s->x, inputs(s));
+        instance->arg[4] = instance->lookup;
+        instance->res[0] = instance->slope;
+        CALL(slopes);
+        s->slopes_stale = 0;
+    }
+    for (size_t i = 0; i < unknown_count; i++) {
+        const double *slope = instance->slope + (unknown[i] - FIRST_OUTPUT) * N_INPUTS;
+        sensitivity[i] = 0.0;
+        for (size_t k = 0; k < known_count; k++) sensitivity[i] += slope[known[k] - FIRST_INPUT] * seed[k];
+    }
+    return 1;
+}
+#endif
+
 Status core_directional(Instance *instance, const uint32_t *unknown, size_t unknown_count,
                         const uint32_t *known, size_t known_count, const double *seed,
                         double *sensitivity) {
     State *s = &instance->state;
+    if (refresh_states(instance) != OK) return ERROR;
+#if N_LED
+    if (led_slopes(instance, unknown, unknown_count, known, known_count, seed, sensitivity)) return OK;
+#endif
     double x_seed[N_CONTINUOUS + 1] = {0.0}, u_seed[N_INPUTS + 1] = {0.0};
     double fraction_seed[TABLE_STATIONS + 1], output[N_OUTPUTS + 1], rate[N_CONTINUOUS + 1];
     for (size_t i = 0; i < known_count; i++) {
@@ -290,7 +319,6 @@ Status core_directional(Instance *instance, const uint32_t *unknown, size_t unkn
                              (unsigned)known[i]);
         (input ? u_seed : x_seed)[place] += seed[i];
     }
-    if (refresh_states(instance) != OK) return ERROR;
     if (s->outputs_stale && refresh_lookup(instance) != OK) return ERROR;
     common_arguments(instance, s->x, inputs(s));
 #if TABLE_STATIONS

@@ -72,7 +72,7 @@ Status core_set_continuous_states(Instance *instance, const double *x, size_t co
             return core_fail(instance, "the state %s cannot be %g: a finite number is needed",
                              STATE_NAME[i], x[i]);
     if (count) memcpy(s->x, x, count * sizeof *x);
-    s->outputs_stale = 1;
+    s->outputs_stale = s->slopes_stale = 1;
     return OK;
 }
 
