@@ -98,7 +98,7 @@ def _equations(block: Block) -> str:
 
 def _chosen(block: Block, name: str, laws: Sequence[ca.Function]) -> str:
     """A function that calls that of the law which the parameter `switch` chooses."""
-    place = [parameter.name for parameter in block.parameters].index(block.switch)
+    place = [parameter.name == block.switch for parameter in block.parameters].index(True)
     cases = "\n".join(
         f"    case {number}: return {law.name()}(arg, res, iw, w, mem);"
         for number, law in enumerate(laws, start=1)

@@ -184,9 +184,10 @@ def test_a_state_goes_into_a_fresh_instance(instance, instantiate, block_name):
 def test_directional_derivatives_follow_a_restored_state(instance):
     outputs, inputs = instance.vr(*instance.names("output")), instance.vr(*instance.names("input"))
 
-    def derivatives() -> list[float]:
-        seed = [1.0] * len(inputs)
-        return instance.slave.getDirectionalDerivative(outputs, inputs, seed)
+    def derivatives() -> list[list[float]]:
+        asked = (outputs, outputs[:1])  # some blocks have the first outputs' by a way of their own
+        derive, seed = instance.slave.getDirectionalDerivative, [1.0] * len(inputs)
+        return [derive(unknowns, inputs, seed) for unknowns in asked]
 
     run(instance).outputs()
     state, before = instance.slave.getFMUstate(), derivatives()
