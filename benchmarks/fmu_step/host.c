@@ -1,7 +1,8 @@
 /* Times one block: the generated step alone, and the steps of its FMI 2.0 and FMI 3.0 libraries.
  * Arguments: FMI 2.0 library, FMI 3.0 library, GUID of each, step size [s], parameter to set.
- * Prints the nanoseconds that each library took from its opening to an instance, then nanoseconds a step for each round: bare, fmi2, fmi3, both with inputs set and outputs read,
- * and fmi2 with a tunable parameter set (0 where there is none). */
+ * Prints the nanoseconds that each library took from its opening to an instance, then for each round
+ * those of an addition, a multiplication, a division, a choice (smaller, larger, absolute) and a root,
+ * and those of a step: bare, fmi2, fmi3, both with inputs set and outputs read, and fmi2 with a tunable parameter set (0 where there is none). */
 #define _POSIX_C_SOURCE 199309L
 #include <dlfcn.h>
 #include <stdbool.h>
@@ -68,6 +69,7 @@ static double bare(void) {
     static const double *arg[WORK_ARG + 1];
     static double *res[WORK_RES + 1];
     static long long iw[WORK_IW + 1];
+    double margin;
     for (int i = 0; i < N_PARAMETERS; i++) p[i] = VARIABLE_INFO[i].start;
     arg[0] = p, res[0] = d;
     derived(arg, res, iw, w, 0);
@@ -83,11 +85,37 @@ static double bare(void) {
     double start = now();
     for (int k = 0; k < STEPS; k++) {
         arg[0] = x[k % 2], arg[1] = ends[k % 2], arg[2] = rate, arg[3] = p, arg[4] = d, arg[5] = &size, arg[6] = t;
-        res[0] = x[(k + 1) % 2], res[1] = ends[(k + 1) % 2];
+        res[0] = x[(k + 1) % 2], res[1] = ends[(k + 1) % 2], res[2] = &margin;
         generated(arg, res, iw, w, 0);
     }
     return (now() - start) / STEPS;
 }
+
+#ifdef __aarch64__
+#define IN_REGISTER "+w"
+#else
+#define IN_REGISTER "+x"
+#endif
+/* Nanoseconds of one operation, where eight at a time wait for none of the others. */
+#define COST(name, operation)                                                     \
+    static double name(void) {                                                    \
+        double a[8], y = 1.0 + 1e-30 * now();                              \
+        for (int i = 0; i < 8; i++) a[i] = 1.0 + i;                               \
+        double start = now();                                                     \
+        for (int k = 0; k < STEPS; k++) {                                         \
+            for (int i = 0; i < 8; i++) {                                         \
+                double x = a[i];                                                  \
+                a[i] = operation;                                                 \
+                __asm__ volatile("" : IN_REGISTER(a[i]));                         \
+            }                                                                     \
+        }                                                                         \
+        return (now() - start) / STEPS / 8;                                       \
+    }
+COST(cost_add, x + y)
+COST(cost_multiply, x * y)
+COST(cost_divide, x / y)
+COST(cost_choose, x < y ? x : y)
+COST(cost_root, __builtin_sqrt(x))
 
 /* exchange: with inputs set and outputs read; parameter: set in each step, 0 for none. */
 static double fmi2(bool exchange, unsigned parameter) {
@@ -134,8 +162,10 @@ int main(int count, char **argument) {
     }
     for (unsigned i = FIRST_OUTPUT; i < FIRST_LOCAL; i++)
         if (fmi3GetFloat64(instance[1], &i, 1, y, 1) == 0) output[readable++] = i;
-    for (int round = 0; round < ROUNDS; round++)
+    for (int round = 0; round < ROUNDS; round++) {
+        printf("%g %g %g %g %g ", cost_add(), cost_multiply(), cost_divide(), cost_choose(), cost_root());
         printf("%g %g %g %g %g %g\n", bare(), fmi2(false, 0), fmi3(false), fmi2(true, 0), fmi3(true),
                fmi2(false, (unsigned)atoi(argument[6])));
+    }
     return 0;
 }

@@ -23,6 +23,7 @@ QUIET = """\
 #endif
 """
 SELECTED = """\
+#include <math.h>
 /* C's own ask whether an argument is not a number, which costs more than the choice. */
 #define fmin(x, y) ((x) < (y) ? (x) : (y))
 #define fmax(x, y) ((x) > (y) ? (x) : (y))
