@@ -145,14 +145,15 @@ def main(repeats: int) -> None:
     lines = [f"| {' | '.join(head)} |", "|" + "---|" * len(head)]
     lines += [f"| {' | '.join(row)} |" for row in rows]
     RESULT.write_text(
-        "One evaluation of a native FMU 2.0 with linear creep: inputs set, a micro step, all outputs "
-        "read; beside it the operations that step and outputs need, at the cost of each where none "
-        "waits for another; smallest times of all rounds. Then doStep over one micro step: smallest "
-        "time of the generated step function alone, and medians of ratios within a round. `with "
-        "exchange`: FMI 3.0 over 2.0 with all inputs set and the scalar outputs read in each "
-        "step. `parameter set`: FMI 2.0 with a tunable parameter set before each step, to what it "
-        "is, over without. `load`: median time from the unpacked FMU to an initialized instance, "
-        f"the library opened included. {os.cpu_count()} processors {platform.machine()}, of which "
+        "One evaluation of a native FMU 2.0, with linear creep: inputs set, a micro step, outputs "
+        "read; beside it the operations that step and outputs need, at the cost of each where "
+        "none waits for another; smallest times of all rounds. Then doStep over one micro step: "
+        "smallest time of the generated step function alone, and medians of ratios in a round. "
+        "`with exchange`: FMI 3.0 over 2.0 with all inputs set and the scalar outputs read in "
+        "each step. `parameter set`: FMI 2.0 with a tunable parameter set before each step, to "
+        "what it is, over without. `load`: median time from the unpacked FMU to an initialized "
+        f"instance, the library opened included. {os.cpu_count()} processors "
+        f"{platform.machine()}, load {os.getloadavg()[0]:.1f}.\n\n"
         f"{os.getloadavg()[0]:.1f} were busy.\n\n" + "\n".join(lines) + "\n"
     )
 
