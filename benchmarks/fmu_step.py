@@ -153,8 +153,7 @@ def main(repeats: int) -> None:
         "each step. `parameter set`: FMI 2.0 with a tunable parameter set before each step, to "
         "what it is, over without. `load`: median time from the unpacked FMU to an initialized "
         f"instance, the library opened included. {os.cpu_count()} processors "
-        f"{platform.machine()}, load {os.getloadavg()[0]:.1f}.\n\n"
-        f"{os.getloadavg()[0]:.1f} were busy.\n\n" + "\n".join(lines) + "\n"
+        f"{platform.machine()}, load {os.getloadavg()[0]:.1f}.\n\n" + "\n".join(lines) + "\n"
     )
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from .states import State, derivative_of, with_nominals
 from .terminals import Terminal
 from .variables import Array, Constant, Input, Limit, Output, Parameter, Tangent, Values, Variable
+from .vectors import flat, ordered, symbols, vector
 
 Signals = Mapping[str, ca.SX]
 """Symbols or expressions by name. They are scalars; derived constants may be matrices."""
@@ -91,14 +92,14 @@ class Block:
 
         Override for constants that need loops (MX); otherwise state `derived`.
         """
-        p = _symbols(self.parameters)
+        p = symbols(self.parameters)
         values = self.derived(p)
-        return ca.Function("derived", [_vector(p)], [_flat(values)])
+        return ca.Function("derived", [vector(p)], [flat(values)])
 
     @cached_property
     def derived_shapes(self) -> dict[str, tuple[int, int]]:
         """Name and shape of each derived constant, in order."""
-        values = self.derived(_symbols(self.parameters))
+        values = self.derived(symbols(self.parameters))
         return {name: ca.SX(value).shape for name, value in values.items()}
 
     def derived(self, p: Signals) -> Signals:
@@ -249,7 +250,7 @@ class Block:
     def indicators(self) -> list[str]:
         """Names of the event indicators, in their order."""
         groups = (self.states, self.inputs, self.parameters, self.modes)
-        x, u, p, mode = (_symbols(variables) for variables in groups)
+        x, u, p, mode = (symbols(variables) for variables in groups)
         d = {name: ca.SX(*shape) for name, shape in self.derived_shapes.items()}
         return list(self.event_indicators(x, u, p, d, mode))
 
@@ -293,38 +294,38 @@ class Functions:
     """
 
     def __init__(self, block: Block) -> None:
-        p, u, x = (_symbols(v) for v in (block.parameters, block.inputs, block.states))
+        p, u, x = (symbols(v) for v in (block.parameters, block.inputs, block.states))
         rate = {v.name: ca.SX.sym(f"rate_{v.name}") for v in block.inputs}
         shapes = block.derived_shapes
         d = {name: ca.SX.sym(name, *shape) for name, shape in shapes.items()}
         h = ca.SX.sym("h")
         rows, columns = (block.table.rows, block.table.station_count) if block.table else (0, 0)
         lookup = ca.SX.sym("lookup", rows, columns)
-        pv, uv, xv = _vector(p), _vector(u), _vector(x)
-        dv = _flat(d)
+        pv, uv, xv = vector(p), vector(u), vector(x)
+        dv = flat(d)
 
         self.derived = block.derived_function()
         self.constants = ca.Function(
-            "constants", [pv, dv], [_ordered(block.constants, block.constant(p, d))]
+            "constants", [pv, dv], [ordered(block.constants, block.constant(p, d))]
         )
         self.initial = ca.Function(
-            "initial", [pv, dv, uv], [_ordered(block.states, block.initial(p, d, u))]
+            "initial", [pv, dv, uv], [ordered(block.states, block.initial(p, d, u))]
         )
         self.largest_step = ca.Function(
             "largest_step", [xv, uv, pv, dv], [ca.SX(block.largest_step(x, u, p, d))]
         )
         held = {name: u[name] + rate[name] * h for name in u}
         kept = block.transition(d, h)
-        self.transition = ca.Function("transition", [dv, h], [ca.densify(_flat(kept))])
+        self.transition = ca.Function("transition", [dv, h], [ca.densify(flat(kept))])
         t = {name: ca.SX.sym(name, *ca.SX(value).shape) for name, value in kept.items()}
-        over_step = [xv, uv, _vector(rate), pv, dv, h, _flat(t)]
+        over_step = [xv, uv, vector(rate), pv, dv, h, flat(t)]
 
         def ends(step: Callable[..., tuple[Signals, Signals]]) -> tuple[Signals, Signals]:
             x_end, moved = step(x, u, rate, p, {**d, **t}, h)
             return x_end, {**held, **moved}
 
         def vectors(x_end: Signals, u_end: Signals) -> list[ca.SX]:
-            return [_ordered(block.states, x_end), _ordered(block.inputs, u_end)]
+            return [ordered(block.states, x_end), ordered(block.inputs, u_end)]
 
         x_end, u_end = ends(block.step)
         at_start, at_end = block.margin(x, u, p, d), block.margin(x_end, u_end, p, d)
@@ -339,24 +340,24 @@ class Functions:
         self.derivative = ca.Function(
             "derivative",
             [xv, uv, pv, dv],
-            [_ordered(block.continuous, block.derivative(x, u, p, d))],
+            [ordered(block.continuous, block.derivative(x, u, p, d))],
         )
-        mode = _symbols(block.modes)
-        at_event = [xv, uv, pv, dv, _vector(mode)]
+        mode = symbols(block.modes)
+        at_event = [xv, uv, pv, dv, vector(mode)]
         indicators = block.event_indicators(x, u, p, d, mode)
         self.event_indicators = ca.Function(
-            "event_indicators", at_event, [ca.densify(_vector(indicators))]
+            "event_indicators", at_event, [ca.densify(vector(indicators))]
         )
         memory, mode_after = block.memory_after(x, u, p, d, mode)
         self.memory_after = ca.Function(
             "memory_after",
             at_event,
-            [_ordered(block.memory, memory), _ordered(block.modes, mode_after)],
+            [ordered(block.memory, memory), ordered(block.modes, mode_after)],
         )
         at_point = [xv, uv, pv, dv, lookup]
 
         def outputs(name: str, y: Signals, *more: ca.SX) -> ca.Function:
-            return ca.Function(name, at_point, ca.cse([_ordered(block.outputs, y), *more]))
+            return ca.Function(name, at_point, ca.cse([ordered(block.outputs, y), *more]))
 
         self.outputs = block.output_function() or outputs(
             "outputs",
@@ -435,26 +436,3 @@ class Functions:
                 ]
             ),
         )
-
-
-def _flat(constants: Signals) -> ca.SX:
-    """All constants in one column."""
-    return ca.vertcat(*[ca.vec(ca.SX(v)) for v in constants.values()]) if constants else ca.SX(0, 1)
-
-
-def _symbols(variables: Sequence[Variable]) -> dict[str, ca.SX]:
-    return {v.name: ca.SX.sym(v.name) for v in variables}
-
-
-def _vector(signals: Signals) -> ca.SX:
-    return ca.vertcat(*signals.values()) if signals else ca.SX(0, 1)
-
-
-def _ordered(variables: Sequence[Variable], values: Signals) -> ca.SX:
-    """The expressions in the variables' order; every variable must have one, and no other."""
-    names = [v.name for v in variables]
-    if set(names) != set(values):
-        missing = sorted(set(names) - set(values))
-        unknown = sorted(set(values) - set(names))
-        raise ValueError(f"expressions missing for {missing}, not declared: {unknown}")
-    return ca.densify(ca.vertcat(*[ca.SX(values[n]) for n in names])) if names else ca.SX(0, 1)
