@@ -51,6 +51,9 @@ with which the modes of report Figures 7-15 and 7-16 are met."""
 TUNED = 60 * FOOT
 """Speed of the hunting that equivalent dampers are made for [m/s]."""
 
+FUNCTIONS = ("matrix", "slopes")
+"""What is built of a car, each in a file of its own."""
+
 LARGE = 4.0
 """Amplitude of an element without a stop that the damper of (7-7) is made for, over f/Kf."""
 
@@ -148,7 +151,10 @@ class LinearCar(LinearMotion):
 
     def matrix(self, speed: float, changes: Mapping[str, float] | None = None) -> Array:
         """A at a speed [m/s], (states, states); changes: further values [SI] by parameter."""
-        return np.array(_matrix(*self._form)(*self._arguments(speed, changes or {})))
+        return np.array(self._function("matrix")(*self._arguments(speed, changes or {})))
+
+    def _function(self, name: str) -> ca.Function:
+        return _stored(*self._form)[FUNCTIONS.index(name)]
 
     def slopes(self, speed: float, root: complex) -> tuple[dict[str, complex], complex]:
         """Derivative of an eigenvalue with respect to each parameter, and to the speed.
@@ -160,23 +166,20 @@ class LinearCar(LinearMotion):
         place = int(np.abs(roots - root).argmin())
         v = right[:, place]
         w = np.linalg.inv(right)[place]
+        weights = np.outer(w, v)
         arguments = self._arguments(speed, {})
-        sizes = [len(block.parameters) for block in self._blocks.values()]
-        first = dict(zip(self._blocks, np.cumsum([0, *sizes]), strict=False))
-
-        def along(seed: Array) -> complex:
-            return complex(w @ np.array(_functions(*self._form)[1](*arguments, seed)) @ v)
-
-        found = {}
-        for parameter in self.parameters:
-            seed = np.zeros(sum(sizes) + 1)
-            for block in parameter.blocks:
-                names = [p.name for p in self._blocks[block].parameters]
-                seed[first[block] + names.index(parameter.name)] = 1.0
-            found[parameter.name] = along(seed)
-        seed = np.zeros(sum(sizes) + 1)
-        seed[-1] = 1.0
-        return found, along(seed)
+        pulled = [
+            np.array(self._function("slopes")(*arguments, part)).ravel()
+            for part in (weights.real, weights.imag)
+        ]
+        along = pulled[0] + 1j * pulled[1]
+        names = [(n, p.name) for n, block in self._blocks.items() for p in block.parameters]
+        by_name = dict(zip(names, along, strict=False))
+        found = {
+            p.name: complex(sum(by_name[block, p.name] for block in p.blocks))
+            for p in self.parameters
+        }
+        return found, complex(along[-1])
 
 
 def linear_car(
@@ -218,30 +221,34 @@ def _states(layout: Layout, blocks: Mapping[str, Block]) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=16)
-def _matrix(layout: Layout, listed: Blocks, law: int, friction: Friction) -> ca.Function:
-    """The first of `_functions`; that of a car of the blocks themselves is kept in a file."""
+def _stored(
+    layout: Layout, listed: Blocks, law: int, friction: Friction
+) -> tuple[ca.Function, ...]:
+    """`_functions`; those of a car of the blocks themselves are kept in files."""
     if listed != tuple(_blocks().items()):
-        return _functions(layout, listed, law, friction)[0]
+        return _functions(layout, listed, law, friction)
     made_of = (source_hash(), Path(__file__).read_text(), version("casadi"), layout, law, friction)
     key = sha256(repr(made_of).encode()).hexdigest()
-    place = user_cache_path("tracktrain") / "linear" / f"{key}.casadi"
+    folder = user_cache_path("tracktrain") / "linear"
+    places = [folder / f"{key}_{name}.casadi" for name in FUNCTIONS]
     with suppress(OSError, RuntimeError):  # not there, or not whole
-        return ca.Function.deserialize(place.read_bytes().decode("latin-1"))
-    built = _functions(layout, listed, law, friction)[0]
-    with suppress(OSError):  # without a cache it is built each time
-        place.parent.mkdir(parents=True, exist_ok=True)
-        new = place.with_suffix(f".{os.getpid()}")
-        new.write_bytes(built.serialize().encode("latin-1"))
-        new.replace(place)
+        texts = [place.read_bytes().decode("latin-1") for place in places]
+        return tuple(map(ca.Function.deserialize, texts))
+    built = _functions(layout, listed, law, friction)
+    with suppress(OSError):  # without a cache they are built each time
+        folder.mkdir(parents=True, exist_ok=True)
+        for place, function in zip(places, built, strict=True):
+            new = place.with_suffix(f".{os.getpid()}")
+            new.write_bytes(function.serialize().encode("latin-1"))
+            new.replace(place)
     return built
 
 
-@lru_cache(maxsize=16)
 def _functions(
     layout: Layout, listed: Blocks, law: int, friction: Friction
-) -> tuple[ca.Function, ca.Function]:
-    """(parameters of each block, omega, speed) -> A, and its derivative along a direction of the
-    parameters and the speed, for a creep law and kinds of friction."""
+) -> tuple[ca.Function, ...]:
+    """(parameters of each block, omega, speed) -> A, for a creep law and kinds of friction; and
+    with weights of its elements, the derivative of their sum along each parameter and the speed."""
     blocks = dict(listed)
     p = {name: ca.SX.sym(f"p_{name}", len(b.parameters)) for name, b in blocks.items()}
     omega, speed = ca.SX.sym("omega"), ca.SX.sym("speed")
@@ -249,12 +256,12 @@ def _functions(
     states = _states(layout, blocks)
     matrix = ca.densify(_with_friction(states, stuck, p["truck"], dict(friction), omega))
     along = ca.vertcat(*p.values(), speed)
-    seed = ca.SX.sym("seed", along.numel())
-    slope = ca.reshape(ca.jtimes(ca.vec(matrix), along, seed), *matrix.shape)
+    weights = ca.SX.sym("weights", *matrix.shape)
+    slopes = ca.jtimes(ca.vec(matrix), along, ca.vec(weights), True)
     arguments = [*p.values(), omega, speed]
     return (
         ca.Function("matrix", arguments, [matrix]),
-        ca.Function("slope", [*arguments, seed], [slope]),
+        ca.Function("slopes", [*arguments, weights], [ca.densify(slopes)]),
     )
 
 
