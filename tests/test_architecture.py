@@ -37,6 +37,7 @@ DOORS = {
     "tracktrain/cli/*": "a command loads what it needs when it runs, not when it shows its help",
     "tracktrain/correlation/files.py": "packages that read other formats are extras",
     "tracktrain/options/*": "what was typed is read without what uses it",
+    "tracktrain/studies/uncertainty/design.py": "SALib is an extra",
     "tracktrain/sweep/*": "a sweep's processes and tables load when there is a sweep",
 }
 """Files that may import inside a function, and why they do not at the top."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite, sqrt
-from statistics import NormalDist
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import ndtri
 
 from ..errors import ParameterError
 
@@ -53,12 +53,20 @@ class Spread:
         """The values below which these shares (0 to 1, any shape) of the distribution are."""
         p = np.asarray(shares, float)
         if self.low is None or self.high is None:
-            normal = NormalDist(self.value, self.standard_deviation)
-            return np.vectorize(normal.inv_cdf, otypes=[float])(np.clip(p, 1e-5, 1 - 1e-5))
+            return self.value + self.standard_deviation * ndtri(np.clip(p, 1e-5, 1 - 1e-5))
         a, c, b = self.low, self.value, self.high
         left = a + np.sqrt(p * (b - a) * (c - a))
         right = b - np.sqrt((1 - p) * (b - a) * (b - c))
         return np.where(p * (b - a) < c - a, left, right)
+
+    def scaled(self, factor: float) -> Spread:
+        """The same about the value, `factor` times as wide."""
+        low, high = (
+            None if end is None else self.value + factor * (end - self.value)
+            for end in (self.low, self.high)
+        )
+        deviation = None if self.deviation is None else factor * self.deviation
+        return Spread(self.value, low, high, deviation, self.reason)
 
     def __str__(self) -> str:
         if self.low is None or self.high is None:

@@ -154,10 +154,16 @@ class System(Summarised):
         fits is seen when the system is run.
         """
         instance, variable = split(name)
-        component = self._component(instance)
-        _check_known(instance, component, variable)
-        changed = replace(component, parameters={**component.parameters, variable: value})
-        return replace(self, components={**self.components, instance: changed})
+        return self.with_values({instance: {variable: value}})
+
+    def with_values(self, values: Mapping[str, Mapping[str, Value]]) -> System:
+        """The same system with start values by instance and variable; raises as `with_value`."""
+        changed = {}
+        for instance, given in values.items():
+            component = self._component(instance)
+            _check_known(instance, component, given)
+            changed[instance] = replace(component, parameters={**component.parameters, **given})
+        return replace(self, components={**self.components, **changed})
 
     def driven(self, name: str, profile: Profile) -> System:
         """The same system with a table that drives the input "instance.variable".
@@ -231,8 +237,8 @@ class System(Summarised):
         return self.components[instance]
 
 
-def _check_known(instance: str, component: Component, name: str) -> None:
-    """Raise ValueRefusedError where an instance has no variable of a name.
+def _check_known(instance: str, component: Component, names: Iterable[str]) -> None:
+    """Raise ValueRefusedError where an instance has no variable of one of the names.
 
     Of an FMU that cannot be read, the run says so.
     """
@@ -245,8 +251,11 @@ def _check_known(instance: str, component: Component, name: str) -> None:
                 description = describe(component.fmu, interface=interface)
         if description is not None and component.ports is not None:
             description = component.ports.applied(description)
-    if description is not None and not description.may_have(name):
-        raise description.unknown(instance, name)
+    if description is None:
+        return
+    for name in names:
+        if not description.may_have(name):
+            raise description.unknown(instance, name)
 
 
 def split(name: str) -> tuple[str, str]:

@@ -128,14 +128,15 @@ def changed(system: System, changes: Mapping[str, float]) -> System:
     changes: values by "block.parameter", or by "parameter" for every block with such a one.
     """
     blocks = layout_of(system).blocks
+    values: dict[str, dict[str, float]] = {}
     for name, value in changes.items():
         block, _, parameter = name.partition(".")
         if block not in blocks.values():
             block, parameter = "", name
         for instance, own in blocks.items():
             if block == own or (not block and name in system.components[instance].parameters):
-                system = system.with_value(f"{instance}.{parameter}", value)
-    return system
+                values.setdefault(instance, {})[parameter] = value
+    return system.with_values(values)
 
 
 def displaced(system: System, instance: str, coordinate: str, value: str) -> System:

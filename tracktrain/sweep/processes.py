@@ -61,7 +61,10 @@ class Shared:
             yield from self._arrived(0.0)
         while self._processes:
             if self._all_taken:
-                self._leave([p for p in self._processes if p.lost == IDLE])
+                idle = [p for p in self._processes if p.lost == IDLE]
+                while any(p.pipe.poll() for p in idle if p in self._processes):
+                    yield from self._arrived(0.0)
+                self._leave([p for p in idle if p in self._processes])
             yield from self._arrived(None)
         if not self._all_taken:
             raise SweepError(

@@ -21,16 +21,18 @@ def study_command(
     """Decorator: a command of a study's function, whose arguments are the options.
 
     The function's docstring is the command's help. A parameter `progress` of the function, if it
-    has one, receives what moves the bar.
+    has one, receives what moves the bar; a parameter `folder` the folder of --out, to keep there
+    what is done already.
     """
 
     def decorate(function: Callable[..., Outcome]) -> click.Command:
-        moves = "progress" in function.__annotations__
-
         def run(out: Path | None, quiet: bool, as_json: bool, **given: Any) -> None:
             folder = writable(out or Path(f"tracktrain-{name}"))
             with progress_bar(name, hidden=quiet or as_json) as progress:
-                outcome = function(**given, **({"progress": progress} if moves else {}))
+                taken = {"progress": progress, "folder": folder}
+                wanted = function.__annotations__
+                given |= {name: value for name, value in taken.items() if name in wanted}
+                outcome = function(**given)
             try:
                 outcome.write(folder)
             except OSError as error:
