@@ -1,7 +1,7 @@
 """The columns of results.nc, which has rows: each is read when it is asked for.
 
 NetCDF's own library reads a variable of such a file by a seek for every row. Here a file of some
-size is read whole, once, and one that is larger is read in blocks for every column.
+size is read whole, once, and one that is larger is read in blocks for some columns at a time.
 """
 
 from __future__ import annotations
@@ -23,6 +23,10 @@ WHOLE = 2**28
 HELD = 2**25
 """Bytes of a piece of the rows up to which all its columns are kept."""
 
+BESIDE, PARTS = 2**27, 2
+"""Bytes of columns that are kept, and the parts of neighbours that they are read in: who reads a
+column often reads the next one, or comes back to some other."""
+
 BLOCK = 2**20
 """Bytes that are read at a time."""
 
@@ -36,6 +40,7 @@ class Rows:
         self._stream, self._first = stream, header.first_row
         self.count, self.width = header.rows, header.width
         self._held: tuple[tuple[int, int], Array] = (0, 0), np.empty((header.width, 0))
+        self._parts: dict[tuple[int, int, int], Array] = {}
 
     def column(self, number: int, first: int, last: int) -> Array:
         """The values of a variable from a row to the one before the last, by its number."""
@@ -43,10 +48,7 @@ class Rows:
             return self._whole[number, first:last]
         if 8 * max(last - first, 0) * self.width <= HELD:
             return self._held_rows(first, last)[number]
-        found = np.empty(max(last - first, 0))
-        for place, rows in self._blocks(first, last):
-            found[place - first : place - first + len(rows)] = rows[:, number]
-        return found
+        return self._beside(number, first, last)
 
     @cached_property
     def _whole(self) -> Array:
@@ -57,6 +59,23 @@ class Rows:
         if self._held[0] != (first, last):
             self._held = (first, last), self._all_columns(first, last)
         return self._held[1]
+
+    def _beside(self, number: int, first: int, last: int) -> Array:
+        """A column of these rows, read with its neighbours; the newest `PARTS` parts are kept."""
+        size = max(BESIDE // (8 * PARTS * (last - first)), 1)
+        begin = number - number % size
+        key = begin, first, last
+        if key not in self._parts:
+            found = np.empty((min(size, self.width - begin), last - first))
+            for place, rows in self._blocks(first, last):
+                columns = rows[:, begin : begin + size]
+                found[:, place - first : place - first + len(rows)] = columns.T
+            while len(self._parts) >= PARTS:
+                del self._parts[next(iter(self._parts))]
+            self._parts[key] = found
+        else:
+            self._parts[key] = self._parts.pop(key)
+        return self._parts[key][number - begin]
 
     def _all_columns(self, first: int, last: int) -> Array:
         found = np.empty((self.width, max(last - first, 0)))

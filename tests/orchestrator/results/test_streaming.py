@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from orchestrator import OrchestratorError, simulate
+from orchestrator import OrchestratorError, open_results, simulate
 from orchestrator.compiled import compiler
 from orchestrator.compiled.entries import macro_loop
 from orchestrator.masters.base import all_masters
 from orchestrator.masters.loop.arrays import Ints
-from orchestrator.results import recording
+from orchestrator.results import columns, recording
 from support.coupled_models import damped_mass, oscillator
 from support.python_process import TESTS
 
@@ -49,6 +49,25 @@ def test_bound_of_memory_changes_no_bit(tmp_path, master, compiled):
     assert np.array_equal(bounded.record, whole.record)
     assert bounded.dataset.attrs["master"] == master
     assert "stopped" not in bounded.dataset.attrs
+
+
+def test_columns_of_a_large_file_are_those_of_a_small_one_and_cost_few_passes(
+    tmp_path, monkeypatch
+):
+    """Large is what exceeds the bytes that are kept; here room is for two columns and two."""
+    whole = simulate(oscillator(), duration=1.0, step=0.01, out=tmp_path).dataset
+    passes = []
+    blocks = columns.Rows._blocks
+    monkeypatch.setattr(columns, "WHOLE", 0)
+    monkeypatch.setattr(columns, "HELD", 0)
+    monkeypatch.setattr(columns, "BESIDE", 4 * 8 * 101)
+    monkeypatch.setattr(columns.Rows, "_blocks", lambda *a: passes.append(a) or blocks(*a))
+    with open_results(tmp_path) as large:
+        passes.clear()
+        for _ in range(2):
+            for name in whole:
+                assert np.array_equal(large[name].values, whole[name].values), name
+        assert len(passes) < 2 * len(whole)
 
 
 def test_window_that_is_too_small_says_how_much_is_needed(tmp_path):
@@ -90,7 +109,7 @@ import sys, time
 sys.path.insert(0, {tests!r})
 from support.coupled_models import oscillator
 from orchestrator import simulate
-from orchestrator.results import recording
+from orchestrator.results import columns, recording
 recording.FLUSH = 0.01
 def progress(t, wall):
     print(t, flush=True)
