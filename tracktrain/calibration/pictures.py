@@ -22,7 +22,7 @@ HEIGHT = 2.1
 """Of the panel of one channel [in]."""
 
 SHOWN = 6.0
-"""Part of a time history that is drawn [s]: the one with the largest motion."""
+"""Part of a time history that is drawn [s]."""
 
 
 def pictures(gathered: Gathered, fitted: Fitted) -> dict[str, Figure]:
@@ -114,60 +114,53 @@ def _correlations(fitted: Fitted) -> Figure:
 
 @mpl.rc_context(STYLE)
 def _modes(modal: Modal, fitted: Fitted) -> Figure:
-    """Model over measured frequency; damping ratios side by side."""
-    start = np.array([c.start for c in fitted.chosen])
-    before, after = modal.modelled(start), modal.modelled(fitted.values)
-    kinds = dict.fromkeys(m.kind for m in modal.measured)
-    most = max(sum(m.kind == kind for m in modal.measured) for kind in kinds)
-    figure = Figure(figsize=(9.0, 1.4 + 0.36 * most), layout="constrained")
-    panels = figure.subplots(1, len(kinds), squeeze=False)[0]
+    """Frequencies over the measured ones, and damping ratios, a row a mode."""
+    before, after = modal.modelled(_start(fitted)), modal.modelled(fitted.values)
+    kinds = sorted({m.kind for m in modal.measured}, reverse=True)
+    rows = {
+        key: n for n, key in enumerate(dict.fromkeys((m.mode, m.speed) for m in modal.measured))
+    }
+    names = {key: key[0] for key in rows}
+    figure = Figure(figsize=(9.0, 1.4 + 0.36 * len(rows)), layout="constrained")
+    panels = figure.subplots(1, len(kinds), squeeze=False, sharey=True)[0]
     for axes, kind in zip(panels, kinds, strict=True):
-        rows = [n for n, m in enumerate(modal.measured) if m.kind == kind]
-        names = []
-        for row, n in enumerate(rows):
-            m = modal.measured[n]
-            factor = 1.0 / abs(m.value) if kind == "frequency" else 100.0
-            bar = m.deviation * factor or None
+        labels = {"measured", "before", "after"}
+        for m, old, new in zip(modal.measured, before, after, strict=True):
+            if m.kind != kind:
+                continue
+            if kind == "frequency":
+                names[m.mode, m.speed] = f"{m.mode}, {m.value:.3g} Hz"
+            factor = 1.0 / m.value if kind == "frequency" else 100.0
+            row, bar = rows[m.mode, m.speed], m.deviation * factor or None
             axes.errorbar(
-                m.value * factor,
-                row,
-                xerr=bar,
-                fmt="s",
-                color=BLUE,
-                markersize=6,
-                alpha=0.6,
-                label=None if row else "measured",
-            )
-            axes.plot(
-                before[n] * factor,
-                row,
-                "x",
-                color=MUTED,
-                markersize=7,
-                label=None if row else "before",
-            )
-            axes.plot(
-                after[n] * factor, row, "o", color=RED, markersize=4, label=None if row else "after"
-            )
-            shown = f"{m.mode}, {m.value:.3g} Hz" if kind == "frequency" else m.mode
-            names.append(shown)
-        axes.set_yticks(range(len(rows)), names)
+                m.value * factor, row, xerr=bar, fmt="s", color=BLUE, alpha=0.6,
+                label="measured" if "measured" in labels else None,
+            )  # fmt: skip
+            for value, look, colour, label in (
+                (old, "x", MUTED, "before"),
+                (new, "o", RED, "after"),
+            ):
+                shown = label if label in labels else None
+                axes.plot(value * factor, row, look, color=colour, markersize=5, label=shown)
+            labels = set()
         axes.set_ylim(len(rows) - 0.5, -0.5)
         axes.set_xlabel(
             "frequency over the measured" if kind == "frequency" else "damping ratio [%]"
         )
+    panels[0].set_yticks(range(len(rows)), list(names.values()))
     _legend(panels[0])
     return figure
 
 
 @mpl.rc_context(STYLE)
 def _histories(gathered: Gathered, fitted: Fitted, histories: list[TimeHistory]) -> Figure:
-    """The part of each channel with the largest motion: measured, before, after."""
+    """Measured, before and after, where the first channel moves most."""
     figure, panels = column(len(histories), HEIGHT)
     before, after = (_modelled(gathered, at, histories) for at in (_start(fitted), fitted.values))
+    begin = _largest(histories[0])
     for n, (axes, feature) in enumerate(zip(panels, histories, strict=True)):
         unit, factor = shown_unit(feature.unit, float(np.abs(feature.measured).max()))
-        part = _largest(feature)
+        part = (feature.times >= begin) & (feature.times <= begin + SHOWN)
         curves = (
             (feature.measured, BLUE, "measured"),
             (before[n], MUTED, "before"),
@@ -189,7 +182,7 @@ def _histories(gathered: Gathered, fitted: Fitted, histories: list[TimeHistory])
         axes.set_ylabel(f"{feature.channel}\n[{unit}]")
         axes.margins(x=0.0)
     _legend(panels[0])
-    panels[-1].set_xlabel("time of the measurement [s]; the part with the largest motion of each")
+    panels[-1].set_xlabel("time of the measurement [s], where the first channel moves most")
     return figure
 
 
@@ -277,19 +270,16 @@ def _modelled(gathered: Gathered, at: Array, histories: list[TimeHistory]) -> li
     return [f.modelled(runs.run(at), runs.clock(at)) for f in histories]
 
 
-def _largest(feature: TimeHistory) -> slice:
-    """The part of `SHOWN` seconds with the largest motion, within one piece."""
-    length = int(SHOWN * feature.rate)
-    best, place, begin = -1.0, slice(0, 1), 0
+def _largest(feature: TimeHistory) -> float:
+    """The time [s] from which `SHOWN` seconds of a piece have the largest mean square."""
+    best, begin = -1.0, 0.0
     for window in feature.windows:
         squares = np.concatenate([[0.0], np.cumsum(window.values**2)])
-        size = min(length, len(window.values))
+        size = min(int(SHOWN * feature.rate), len(window.values))
         sums = squares[size:] - squares[:-size]
-        first = int(sums.argmax())
-        if sums[first] > best:
-            best, place = float(sums[first]), slice(begin + first, begin + first + size)
-        begin += len(window.values)
-    return place
+        if sums.max() > best:
+            best, begin = float(sums.max()), (window.first + int(sums.argmax())) / feature.rate
+    return begin
 
 
 def _legend(axes: Axes) -> None:

@@ -15,7 +15,7 @@ UNTOLD = 0.3
 NOTHING = 1.0
 """Relative deviation of a parameter, all others known, from which it moves nothing measured."""
 
-SHARE = 0.2
+SHARE = 0.1
 """Of the largest part of a combination, below which a parameter has no part in it."""
 
 ALIKE = 0.15
@@ -64,7 +64,7 @@ def remarks(fitted: Fitted) -> list[str]:
 def told(fitted: Fitted) -> list[bool]:
     """Whether the data tell each parameter by itself."""
     idle = moving_nothing(fitted)
-    lost = np.array(idle)
+    lost = np.array(idle) | np.isinf(fitted.deviations)
     for direction in untold(fitted, idle):
         lost = lost | (np.abs(direction) > SHARE * np.abs(direction).max())
     return [not one for one in lost]

@@ -15,7 +15,7 @@ from tracktrain.calibration import Asked, calibrate, write_calibration
 from tracktrain.calibration.chosen import Chosen
 from tracktrain.calibration.evidence import Group
 from tracktrain.calibration.fitting import fit
-from tracktrain.calibration.told import remarks
+from tracktrain.calibration.told import remarks, told
 from tracktrain.car.changes import changed
 from tracktrain.car.linear import LinearCar
 from tracktrain.car.modes import name_of
@@ -70,6 +70,16 @@ def test_two_parameters_of_which_only_the_sum_is_seen_are_named():
     fitted = fit(chosen, [Line(rows, measured)])
     assert fitted.values.sum() == pytest.approx(5.0, rel=1e-2)
     assert any("tell only the sum of a and b" in said for said in remarks(fitted))
+
+
+def test_a_small_number_beside_a_large_one_is_named_with_it_and_neither_is_told():
+    rows = np.ones((40, 2))
+    measured = 3.4 + 0.01 * np.random.default_rng(1).standard_normal(40)
+    starts = {"a": 0.4, "b": 3.1}
+    chosen = [Chosen(n, n, (f"x.{n}",), "N", v, 0.0, 9.0) for n, v in starts.items()]
+    fitted = fit(chosen, [Line(rows, measured)])
+    assert any("tell only the sum of a and b" in said for said in remarks(fitted))
+    assert told(fitted) == [False, False]
 
 
 def test_an_estimate_far_from_what_was_known_is_said():
