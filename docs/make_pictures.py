@@ -13,10 +13,17 @@ from matplotlib.figure import Figure
 
 from orchestrator import simulate
 from tracktrain.car.hopper import DURATION, hopper_car
+from tracktrain.car.linear import LinearCar
+from tracktrain.car.modes import critical_speeds
+from tracktrain.car.spreads import uncertain
 from tracktrain.plots import BLUE, INK, RED, STYLE, plot_displacement
-from tracktrain.scales import FOOT
+from tracktrain.scales import FOOT, MILE_PER_HOUR
 from tracktrain.studies.hunting_causes import hunting_causes
+from tracktrain.studies.hunting_causes.factors import field_speeds
 from tracktrain.studies.structure import structure
+from tracktrain.studies.uncertainty import uncertainty
+from tracktrain.studies.uncertainty.design import DESIGNS
+from tracktrain.studies.uncertainty.sample import SPEEDS
 
 PICTURES = Path(__file__).parent / "pictures"
 
@@ -45,6 +52,34 @@ def coupling() -> Figure:
     return figure
 
 
+@mpl.rc_context(STYLE)
+def field() -> Figure:
+    """Critical speed of loaded and empty car, with its band, beside what the field reports."""
+    figure = Figure(figsize=(9.0, 2.2), layout="constrained")
+    axes = figure.subplots()
+    for place, car in enumerate(("empty", "loaded")):
+        low, high = (speed / MILE_PER_HOUR for speed in field_speeds(car))
+        axes.barh(place, high - low, left=low, height=0.5, color=RED, alpha=0.35)
+        numbers = uncertain(car)
+        points = DESIGNS["latin"].points(len(numbers), 150, 1)
+        speeds = []
+        for row in points:
+            changes: dict[str, float] = {}
+            for number, share in zip(numbers, row, strict=True):
+                changes |= number.changes(float(number.spread.quantile(share)))
+            speeds += [c.speed for c in critical_speeds(LinearCar(car, changes), SPEEDS)[:1]]
+        ends = np.quantile(speeds, (0.05, 0.95)) / MILE_PER_HOUR
+        axes.plot(ends, [place, place], color=BLUE, lw=5, solid_capstyle="butt")
+        now = critical_speeds(LinearCar(car), SPEEDS)[0].speed / MILE_PER_HOUR
+        axes.plot(now, place, "o", color=INK)
+    axes.set_yticks((0, 1), ("empty", "loaded"))
+    axes.set(xlabel="speed [mph]", xlim=(0, 110), ylim=(-0.5, 1.5))
+    axes.set_title(
+        "hunting: field (red); linear critical speed of the model (point), 5 to 95 % (blue)"
+    )
+    return figure
+
+
 def _axle(dataset) -> np.ndarray:
     return dataset["truck_front.axle[1].y"].values
 
@@ -59,3 +94,5 @@ if __name__ == "__main__":
             picture.savefig(PICTURES / f"structure_{name}.png", dpi=110)
     causes = hunting_causes().pictures["critical_speeds"]
     causes.savefig(PICTURES / "hunting_causes.png", dpi=120)
+    field().savefig(PICTURES / "hunting_field.png", dpi=120)
+    uncertainty().pictures["bands"].savefig(PICTURES / "uncertainty.png", dpi=120)

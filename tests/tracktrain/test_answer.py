@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from orchestrator import Level, Verdict
+from orchestrator import Level, Verdict, simulate
+from tracktrain import hopper_car
 from tracktrain.answer import counted, parts
 from tracktrain.answer.standing import Standing
 from tracktrain.scales import FOOT
@@ -81,3 +82,14 @@ def test_above_the_critical_speed_is_said_with_the_time_to_grow_tenfold():
     assert "60 ft/s (40.9 mph) is above the critical speed" in str(standing)
     below = Standing(50 * FOOT, 55 * FOOT, -0.1, "", 0.0, ())
     assert "50 ft/s (34.1 mph) is below the critical speed" in str(below)
+
+
+def test_the_numbers_of_a_run_have_a_band_and_what_to_measure():
+    run = simulate(
+        hopper_car("empty", 50 * FOOT).with_value("truck_front.bolster_mass", 600.0), duration=0.1
+    )
+    said = next(part for part in parts(run.dataset) if part.name == "numbers")
+    assert said.level is Level.DOUBTFUL
+    assert "76 numbers of the empty car have a range" in said.text
+    assert "most by conicity" in said.text and "whether it hunts at this speed is open" in said.text
+    assert "1 number of this run is another" in said.text

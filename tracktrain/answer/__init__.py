@@ -17,6 +17,7 @@ from ..car.hopper import layout_of
 from ..car.validity import Range, range_of
 from ..events import DERAILMENT, Event, events, nadal_rule
 from ..quantities import MOST
+from .numbers import of_numbers
 from .standing import Standing, standing
 
 ORDER = [Level.BAD, Level.DOUBTFUL, Level.UNKNOWN, Level.GOOD]
@@ -52,7 +53,7 @@ def parts(
         unsure = verdict is not None and verdict.level is Level.BAD and not began
         found.insert(0 if began else 1, _range(known, events(whole), unsure))
     if _is_car(dataset):
-        found.append(NUMBERS)
+        found.append(Part("numbers", *of_numbers(dataset)))
     return sorted(found, key=lambda part: ORDER.index(part.level))
 
 
@@ -171,14 +172,6 @@ def _unknown(known: Range) -> list[str]:
         more = f" and {len(others)} more" if others else ""
         said.append(f"Not looked at, as it was not recorded: {first}{more}; record it (--record).")
     return said
-
-
-NUMBERS = Part(
-    "numbers",
-    Level.UNKNOWN,
-    "Most masses and inertias are estimates, and no range of them is taken into account; vary them "
-    "with tracktrain sweep, or compare with measured data.",
-)
 
 
 def _capital(text: str) -> str:

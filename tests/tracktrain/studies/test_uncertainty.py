@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fmus.describe.spread import Spread
+from tracktrain.answer.numbers import bands
 from tracktrain.car.band import QUANTILE, critical_band, first_order
 from tracktrain.car.linear import LinearCar
 from tracktrain.car.modes import critical_speeds
@@ -144,3 +145,15 @@ def test_one_car_has_all_numbers_and_a_run_that_fails_says_why():
     assert {"limit_cycle", "wheelset_11.force_y.rms", "l_over_v.max"} <= set(row)
     failed = sample.one_car({"car": "loaded", "changes": {"axle_load": -1.0}, **shared})
     assert "axle_load" in failed["message"] and "limit_cycle" not in failed
+
+
+@pytest.mark.parametrize("car", ["loaded", "empty", "report-linear"])
+def test_the_band_that_a_verdict_states_is_that_of_the_exact_derivatives(car):
+    linear, numbers = LinearCar(car), uncertain(car)
+    band = critical_band(linear, critical_speeds(linear, sample.SPEEDS)[0], numbers)
+    most, share = next(iter(band.shares.items()))
+    said = bands()[car]
+    assert (said["numbers"], said["most"]) == (len(numbers), most)
+    assert [said["low"], said["high"], said["share"]] == pytest.approx(
+        [band.low, band.high, share], rel=2e-3
+    )
