@@ -6,7 +6,7 @@ import ctypes
 import inspect
 from collections.abc import Callable
 from functools import cached_property
-from itertools import chain
+from itertools import accumulate, chain
 from struct import Struct
 from typing import Any, get_type_hints
 
@@ -106,14 +106,19 @@ class MacroLoop(Entry):
         kinds = [*self._types.values()]
         common, rest = kinds[: self.COMMON], kinds[self.COMMON :]
         behind = [*chain.from_iterable(map(_words, rest, tables))]
-        ahead = sum(map(_size, common))
+        *begins, ahead = accumulate(map(_size, common), initial=0)
         words = np.zeros(ahead + len(behind), np.int64)
         words[ahead:] = behind
         address = words.ctypes.data
         function = library.function(self.name)
+        known: list[Any] = [None] * len(common)
 
         def call(*given: Any) -> None:
-            words[:ahead] = [*chain.from_iterable(map(_words, common, given))]
+            for n, value in enumerate(given):
+                if value is not known[n]:  # the record and the report are the same many times
+                    found = _words(common[n], value)
+                    words[begins[n] : begins[n] + len(found)] = found
+                    known[n] = value
             if error := function(address):
                 library.fail(error)
 

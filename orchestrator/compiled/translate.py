@@ -109,7 +109,7 @@ class Unit:
             self.types.setdefault(type_.c, text)
         return type_.c
 
-    def struct(self, name: str, fields: dict[str, Type]) -> str:
+    def struct(self, name: str, fields: Mapping[str, Type]) -> str:
         """The C of a table: tables in it are part of it."""
         inner = [
             f"{self.declare(t).removesuffix(' *').removeprefix('const ')} {field};"

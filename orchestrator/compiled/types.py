@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Annotated, Any, TypeAlias, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -86,10 +87,9 @@ class Table:
         return f"const {self.kind.__name__} *"
 
     @property
-    def fields(self) -> dict[str, Type]:
+    def fields(self) -> Mapping[str, Type]:
         """Types of its fields, in their order."""
-        hints = get_type_hints(self.kind, include_extras=True)
-        return {name: of_hint(hints[name]) for name in self.kind._fields}  # type: ignore[attr-defined]
+        return _fields(self.kind)
 
 
 @dataclass(frozen=True)
@@ -141,6 +141,12 @@ def of_hint(hint: Any) -> Type:
     if isinstance(hint, type) and issubclass(hint, tuple) and hasattr(hint, "_fields"):
         return Table(hint)
     raise TypeError(f"{hint} is no type of compiled code: int, float, bool, arrays and tables are")
+
+
+@cache
+def _fields(table: Any) -> Mapping[str, Type]:
+    hints = get_type_hints(table, include_extras=True)
+    return {name: of_hint(hints[name]) for name in table._fields}
 
 
 def _numbers(hint: Any) -> str:
