@@ -1,1 +1,1 @@
-"""Track geometry of one's own: measured, made of shapes and spectra, inspected, fitted."""
+"""Track geometry of one's own: measured, or made of shapes and spectra."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 from scipy import fft
-from scipy.ndimage import map_coordinates
+from scipy.interpolate import CubicSpline
 
 from .errors import GeometryError
 
@@ -20,8 +20,14 @@ FOOT = 0.3048
 CHORDS = (31 * FOOT, 62 * FOOT, 124 * FOOT)
 """Those of 49 CFR 213 [m]."""
 
-LEAST = 0.2
-"""What a chord has to show of a wave for its inversion: errors grow by the inverse at most."""
+LEAST, WHOLE = 0.1, 0.3
+"""What a chord has to show of a wave so that it is in the inverse at all, and to its full size.
+
+Errors grow by the inverse of what is shown; between both the inverse fades smoothly, since a sharp
+end would ring along the whole track.
+"""
+FADED = 2.0
+"""Chords at both ends over which offsets are faded, so that the record may be mirrored there."""
 
 Array = np.ndarray
 
@@ -50,7 +56,7 @@ def _between(values: Array, place: Array) -> Array:
     whole = np.round(place)
     if np.abs(place - whole).max() < 1e-9:
         return np.asarray(values[whole.astype(int)])
-    return np.asarray(map_coordinates(values, [place], order=3, mode="mirror"))
+    return np.asarray(CubicSpline(np.arange(len(values)), values)(place))
 
 
 def inverted(
@@ -58,36 +64,40 @@ def inverted(
 ) -> tuple[Array, str]:
     """The track whose mid-chord offsets are given at all stations, and what is lost.
 
-    Fourier coefficients (of the record and its mirror image) are divided by H. Where H is below
-    `LEAST` they are left out: the waves there are not in the offsets. Raises GeometryError for a
-    record that is too short or too coarse for that.
+    Fourier coefficients (of the record, faded at its ends, and its mirror image) are divided by H.
+    Where H is below `LEAST` they are left out: the waves there are not in the offsets. Raises
+    GeometryError for a record that is too short or too coarse for that.
     """
-    length = spacing * len(values)
-    if length < 2 * chord:
+    length, needed = spacing * len(values), 3 * FADED * chord
+    if length < needed:
         raise GeometryError(
             f"{file}: {length:.4g} m of {channel} are too short to be turned from mid-chord "
-            f"offsets of {chord / FOOT:.4g} ft into a track; give {2 * chord:.4g} m at least"
+            f"offsets of {chord / FOOT:.4g} ft into a track; give {needed:.4g} m at least"
         )
     if spacing > chord / 4:
         raise GeometryError(
             f"{file}: mid-chord offsets of {chord / FOOT:.4g} ft each {spacing:.4g} m cannot be "
             f"turned into a track; give them each {chord / 4:.3g} m at most"
         )
-    frequency = np.arange(len(values)) / (2 * length)
-    shown = response(chord, frequency)
-    seen = shown >= LEAST
-    factors = np.where(seen, 1.0 / np.where(seen, shown, 1.0), 0.0)
-    track = fft.idct(fft.dct(values) * factors)
-    return np.asarray(track), (
+    shown = response(chord, np.arange(len(values)) / (2 * length))
+    share = _smoothstep((shown - LEAST) / (WHOLE - LEAST))
+    ends = _smoothstep((np.arange(len(values)) + 0.5) * spacing / (FADED * chord))
+    coefficients = fft.dct(values * ends * ends[::-1]) * share / np.maximum(shown, LEAST)
+    return np.asarray(fft.idct(coefficients)), (
         f"{channel} turned from mid-chord offsets of {chord / FOOT:.4g} ft into a track; lost are "
-        f"waves {lost_waves(chord, spacing)}, which the chord shows by less than {LEAST:g}; the "
-        f"{chord:.3g} m at both ends are uncertain"
+        f"waves {lost_waves(chord, spacing)}, which the chord shows by less than {WHOLE:g}; it "
+        f"fades out over the {FADED * chord:.3g} m at both ends"
     )
+
+
+def _smoothstep(u: Array) -> Array:
+    u = np.clip(u, 0.0, 1.0)
+    return np.asarray(u**3 * (10 - u * (15 - 6 * u)))
 
 
 def lost_waves(chord: float, spacing: float, most: int = 3) -> str:
     """The waves [m] that a chord does not show, in words: long ones, and those about its zeros."""
-    turn = np.arccos(1.0 - LEAST) / np.pi
+    turn = np.arccos(1.0 - WHOLE) / np.pi
     bands = [f"beyond {chord / turn:.3g} m"]
     number = 1
     while chord / (2 * number) > 2 * spacing and len(bands) <= most:

@@ -83,7 +83,9 @@ def track_of(table: Table, name: str, says: Sequence[str] = ()) -> TrackData:
         _check_size(reading, channel, found, grid)
     zero = np.zeros(count)
     rows = np.array([values.get(channel, zero) for channel in CHANNELS])
-    return TrackData(name, float(stations[0]), spacing, rows, (f"from {table.file}", *notes))
+    return TrackData(
+        name, float(stations[0]), spacing, rows, (*table.remarks, f"from {table.file}", *notes)
+    )
 
 
 def spoken(channel: str) -> str:

@@ -27,13 +27,14 @@ Array = np.ndarray
 class Table:
     """Columns [SI] by their names; NaN where a cell is empty. lines: of the rows, in the file.
 
-    said: what comment lines say, `# key = value`, with their line numbers.
+    said: what comment lines say, `# key = value`, with their line numbers. remarks: other comments.
     """
 
     file: str
     columns: Mapping[str, Array]
     lines: Array
     said: Mapping[str, tuple[str, str]]
+    remarks: tuple[str, ...] = ()
 
     def place(self, row: int) -> str:
         """File and line of a row, for messages."""
@@ -61,11 +62,14 @@ def read_table(file: str, text: str, units: Mapping[str, str], first: str = STAT
     first: a column that there must be. Raises GeometryError with the line.
     """
     numbered = list(enumerate(text.splitlines(), start=1))
-    said = {}
+    said, remarks = {}, []
     for number, line in numbered:
-        if line.lstrip().startswith("#") and (match := SAID.fullmatch(line)):
-            key = re.sub(r"[\s_]+", "_", match[1].lower())
-            said[key] = (match[2], f"{file}, line {number}")
+        if line.lstrip().startswith("#"):
+            if match := SAID.fullmatch(line):
+                key = re.sub(r"[\s_]+", "_", match[1].lower())
+                said[key] = (match[2], f"{file}, line {number}")
+            elif remark := line.strip("# \t"):
+                remarks.append(remark)
     rows = [(n, line) for n, line in numbered if line.strip() and not line.lstrip().startswith("#")]
     if len(rows) < 2:
         raise GeometryError(
@@ -81,7 +85,7 @@ def read_table(file: str, text: str, units: Mapping[str, str], first: str = STAT
         )
     values = _numbers(file, rows[1:], delimiter, len(factors))
     columns = {name: factor * values[:, i] for i, (name, factor) in enumerate(factors.items())}
-    return Table(file, columns, np.array([n for n, _ in rows[1:]]), said)
+    return Table(file, columns, np.array([n for n, _ in rows[1:]]), said, tuple(remarks))
 
 
 def _example(units: Mapping[str, str]) -> str:

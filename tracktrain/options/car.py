@@ -127,6 +127,18 @@ def track_option(default: str = TRACK, files: bool = False) -> Option:
     )
 
 
+def say_option() -> Option:
+    """--say, what a file of track geometry does not."""
+    return click.option(
+        "--say",
+        "says",
+        multiple=True,
+        metavar="KEY=VALUE",
+        help="What FILE does not say of itself, such as 'alignment_positive=left' or "
+        "'profile_chord=62 ft'. Repeatable.",
+    )
+
+
 def seed_option() -> Option:
     """--seed, a realisation of the track."""
     return click.option(

@@ -1,0 +1,53 @@
+"""The command `tracktrain track build`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from fmus.names import FMI_VERSIONS
+
+from ....options.car import say_option
+from ....terminal import writable
+
+
+@click.command(
+    epilog="""\b
+Examples:
+  tracktrain track build mine.csv
+  tracktrain track build mine.csv -o line_7.fmu --fmi 3.0 --target all"""
+)
+@click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
+@click.option(
+    "--out",
+    "-o",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE",
+    help="FMU to write.  [default: the name of FILE with .fmu]",
+)
+@click.option("--fmi", type=click.Choice(FMI_VERSIONS), default="2.0", show_default=True)
+@click.option(
+    "--target",
+    "targets",
+    multiple=True,
+    default=("host",),
+    metavar="TARGET",
+    help="Platform whose binaries the FMU holds, as for `tracktrain build`. Repeatable.",
+)
+@say_option()
+def command(
+    file: Path, out: Path | None, fmi: str, targets: tuple[str, ...], says: tuple[str, ...]
+) -> None:
+    """Make the FMU of a track from the stations in FILE, for this car or for another tool."""
+    from fmus.export.track import build_track
+
+    from ....car.track import track_data
+
+    data = track_data(file, says)
+    path = out or Path(f"{file.stem}.fmu")
+    writable(path.parent)
+    build_track(data, path, fmi, targets)
+    click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
+    for line in data.said:
+        click.echo(f"  {line}")
