@@ -33,7 +33,7 @@ def run(*arguments):
 
 
 def test_the_car_answers_a_sinusoid_at_its_speed_over_the_wave(file):
-    car, _ = with_track(hopper_car("empty"), file)
+    car, _ = with_track(hopper_car("empty", SPEED), file)
     dataset = simulate(car, duration=8.0, step=2e-3).dataset
     z = dataset["carbody.cg.z"].values[1000:]
     window = np.hanning(len(z))
@@ -51,7 +51,7 @@ def test_the_car_answers_a_sinusoid_at_its_speed_over_the_wave(file):
     ],
 )
 def test_a_run_that_does_not_fit_the_track_is_refused_before_it_starts(file, arguments, message):
-    result = run("--track", file, *arguments)
+    result = run("--track", file, "--speed", "60 ft/s", *arguments)
     assert result.exit_code != 0
     assert "Traceback" not in result.output
     assert re.search(message, result.output.replace("\n", " "))

@@ -81,8 +81,7 @@ def command(
     seed: int,
     waves: tuple[float, float] | None,
     shapes: tuple[str, ...],
-    length: float | None,
-    spacing: float | None,
+    **grid: float | None,
 ) -> None:
     """Write a track to OUT.csv: measured, of a spectrum, of shapes, or all these together."""
     from fmus.track.recorded_data import as_text
@@ -95,11 +94,12 @@ def command(
         raise TracktrainError("say what the track is made of: --from, --spectrum or --shape")
     if source is None and says:
         raise TracktrainError("--say tells of a file; name it with --from")
-    if source is not None and (length or spacing):
+    if source is not None and any(grid.values()):
         raise TracktrainError(f"--length and --spacing are those of '{source}'; leave them out")
     if out.suffix.lower() != ".csv":
         raise TracktrainError(f"'{out}' is no CSV file by its name; call it '{out.stem}.csv'")
     if source is None:
+        length, spacing = grid["length"], grid["spacing"]
         track = empty(out.stem, length or DEFAULT_LENGTH, spacing or DEFAULT_SPACING)
     else:
         track = replace(track_data(source, says), name=out.stem)
