@@ -133,12 +133,17 @@ static void store(State *s, uint32_t reference, double value) {
 
 Status core_set(Instance *instance, const uint32_t *reference, size_t count, const double *value) {
     State *s = &instance->state;
-    for (size_t i = 0; i < count; i++) {
-        uint32_t r = reference[i];
-        /* An input's number is the hot path: in range of the references and finite. */
-        int plain = r - FIRST_INPUT < N_INPUTS && finite_number(value[i]);
-        if (!plain && check_settable(instance, r, REAL, value[i]) != OK) return ERROR;
-        store(s, r, value[i]);
+    size_t i = 0;
+    /* Inputs of a run are the hot path: in range of the references and finite. */
+    if (started(s) && count) s->outputs_stale = s->slopes_stale = 1;
+    for (; started(s) && i < count; i++) {
+        uint32_t input = reference[i] - FIRST_INPUT;
+        if (input >= N_INPUTS || !finite_number(value[i])) break;
+        s->value[FIRST_INPUT + input] = s->given[input] = value[i];
+    }
+    for (; i < count; i++) {
+        if (check_settable(instance, reference[i], REAL, value[i]) != OK) return ERROR;
+        store(s, reference[i], value[i]);
     }
     return OK;
 }
@@ -149,15 +154,23 @@ Status core_set_kind(Instance *instance, uint32_t reference, Kind kind, double v
     return OK;
 }
 
-Status core_set_rate(Instance *instance, uint32_t reference, double rate) {
+static Status refuse_rate(Instance *instance, uint32_t reference, double rate) {
     if (instance->interface != CO_SIMULATION)
         return core_fail(instance, "input derivatives are for co-simulation, and this instance for model exchange");
     if (reference < FIRST_INPUT || reference >= FIRST_OUTPUT)
         return core_fail(instance, "value reference %u is no input: only inputs (%d to %d) have a rate",
                          (unsigned)reference, FIRST_INPUT, FIRST_OUTPUT - 1);
-    if (!finite_number(rate))
-        return core_fail(instance, "the rate of %s cannot be %g", VARIABLE_INFO[reference - 1].name, rate);
-    instance->state.rate[reference - FIRST_INPUT] = rate;
+    return core_fail(instance, "the rate of %s cannot be %g", VARIABLE_INFO[reference - 1].name, rate);
+}
+
+Status core_set_rates(Instance *instance, const uint32_t *reference, size_t count, const double *rate) {
+    int takes_rates = instance->interface == CO_SIMULATION;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t input = reference[i] - FIRST_INPUT;
+        if (!takes_rates || input >= N_INPUTS || !finite_number(rate[i]))
+            return refuse_rate(instance, reference[i], rate[i]);
+        instance->state.rate[input] = rate[i];
+    }
     return OK;
 }
 

@@ -93,7 +93,7 @@ Status core_finish_initialization(Instance *instance);
 Status core_terminate(Instance *instance);
 Status core_set(Instance *instance, const uint32_t *reference, size_t count, const double *value);
 Status core_set_kind(Instance *instance, uint32_t reference, Kind kind, double value);
-Status core_set_rate(Instance *instance, uint32_t reference, double rate);
+Status core_set_rates(Instance *instance, const uint32_t *reference, size_t count, const double *rate);
 Status core_get(Instance *instance, const uint32_t *reference, size_t count, double *value);
 Status core_get_kind(Instance *instance, uint32_t reference, Kind kind, double *value);
 Status core_step(Instance *instance, double time, double size);

@@ -178,12 +178,10 @@ EXPORT(fmi2Status, fmi2SetRealInputDerivatives)(fmi2Component c, const fmi2Value
     NEEDS_INSTANCE;
     NEEDS_LISTS(count, vr, order && value);
     NEEDS_SETTABLE;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; i++)
         if (order[i] != 1)
             return slave_refuse(c, "inputs vary linearly over a step: only derivatives of order 1 are taken");
-        if (core_set_rate(CORE, vr[i], value[i]) != OK) return FMI2_ERROR;
-    }
-    return FMI2_OK;
+    return (fmi2Status)core_set_rates(CORE, vr, count, value);
 }
 
 EXPORT(fmi2Status, fmi2GetRealOutputDerivatives)(fmi2Component c, const fmi2ValueReference vr[], size_t count,

@@ -47,7 +47,7 @@
 #define core_set_ahead INTERNAL(core_set_ahead)
 #define core_set_continuous_states INTERNAL(core_set_continuous_states)
 #define core_set_kind INTERNAL(core_set_kind)
-#define core_set_rate INTERNAL(core_set_rate)
+#define core_set_rates INTERNAL(core_set_rates)
 #define core_set_time INTERNAL(core_set_time)
 #define core_start INTERNAL(core_start)
 #define core_step INTERNAL(core_step)
