@@ -24,6 +24,9 @@ SHORTEST = 20
 """Samples of a time history, or lines of a spectrum, that are needed."""
 
 
+EVERYTHING = Band(0.0, np.inf)
+
+
 class Feature(Protocol):
     """Numbers of a run beside measured ones."""
 
@@ -149,9 +152,17 @@ class Lines:
 
     @classmethod
     def given(
-        cls, channel: str, sensor: Sensor, unit: str, frequency: Array, density: Array
+        cls,
+        channel: str,
+        sensor: Sensor,
+        unit: str,
+        frequency: Array,
+        density: Array,
+        band: Band = EVERYTHING,
     ) -> Lines:
+        """The lines of a density in a band; raises TracktrainError for too few."""
         known = np.isfinite(density) & (density > 0.0) & (frequency > 0.0)
+        known &= (frequency >= band.low) & (frequency <= band.high)
         if known.sum() < SHORTEST:
             raise TracktrainError(
                 f"the spectrum of '{channel}' has {known.sum()} lines above zero in the band; "

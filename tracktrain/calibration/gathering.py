@@ -17,6 +17,7 @@ from ..car.spreads import uncertain
 from ..correlation.channels import Sensor, matched, sensor, values_of
 from ..correlation.conditioning import condition
 from ..correlation.files import Channel, read_channels
+from ..correlation.history import Band
 from ..errors import TracktrainError, choices
 from ..options.chosen import DURATION, Shape, chosen_car
 from .chosen import Chosen, chosen_parameters
@@ -220,7 +221,9 @@ def _runs(
     if read.channels:
         given, offset, notes = _of_histories(asked, read, wanted, first)
         features += given
-    features += [_of_spectrum(s, wanted[s.name], first) for s in read.spectra if s.name in wanted]
+    features += [
+        _of_spectrum(s, wanted[s.name], first, asked) for s in read.spectra if s.name in wanted
+    ]
     features += _of_levels(read.levels, first)
     if not asked.begin and not all(isinstance(f, TimeHistory) for f in features):
         notes.append("statistics count the run from its start; leave the beginning out by --from")
@@ -303,10 +306,11 @@ def _of_histories(
     return [TimeHistory.of(p, given.band, given.rate, offset) for p in pairs], offset, notes
 
 
-def _of_spectrum(given: MeasuredSpectrum, of: Sensor, first: xr.Dataset) -> Feature:
+def _of_spectrum(given: MeasuredSpectrum, of: Sensor, first: xr.Dataset, asked: Asked) -> Feature:
     _, unit = values_of(of, first, RUN)
     gain = gain_to(given.unit, of.text, given.name, unit)
-    return Lines.given(given.name, of, unit, given.frequency, given.density * gain**2)
+    band = Band(asked.band[0] or 0.0, asked.band[1] or np.inf)
+    return Lines.given(given.name, of, unit, given.frequency, given.density * gain**2, band)
 
 
 def _of_levels(levels: Sequence[MeasuredRms], first: xr.Dataset) -> list[Feature]:

@@ -14,12 +14,15 @@ from tracktrain import hopper_car
 from tracktrain.calibration import Asked, calibrate, write_calibration
 from tracktrain.calibration.chosen import Chosen
 from tracktrain.calibration.evidence import Group
+from tracktrain.calibration.features import Lines
 from tracktrain.calibration.fitting import fit
 from tracktrain.calibration.told import remarks, told
 from tracktrain.car.changes import changed
 from tracktrain.car.linear import LinearCar
 from tracktrain.car.modes import name_of
 from tracktrain.cli.main import main
+from tracktrain.correlation.channels import sensor
+from tracktrain.correlation.history import Band
 from tracktrain.errors import TracktrainError
 from tracktrain.options.chosen import Shape
 
@@ -80,6 +83,12 @@ def test_a_small_number_beside_a_large_one_is_named_with_it_and_neither_is_told(
     fitted = fit(chosen, [Line(rows, measured)])
     assert any("tell only the sum of a and b" in said for said in remarks(fitted))
     assert told(fitted) == [False, False]
+
+
+def test_lines_of_a_measured_spectrum_outside_the_band_do_not_count():
+    at = np.arange(1.0, 61.0)
+    lines = Lines.given("a", sensor("x.a"), "m", at, np.ones(60), Band(5.0, 30.0))
+    assert lines.frequency[[0, -1]].tolist() == [5.0, 30.0]
 
 
 def test_an_estimate_far_from_what_was_known_is_said():
