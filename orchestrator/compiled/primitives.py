@@ -9,15 +9,41 @@ from typing import Any
 
 import numpy as np
 
+REACH = 1 << 40
+"""Bytes from an address on that plain Python can get at."""
+
 _WORD = struct.Struct("=d"), struct.Struct("=q")
 
 
 def array(address: int, count: int, dtype: np.dtype[Any]) -> Any:
     """Numbers or records in memory, to be read and written: at least so many."""
-    size = max(int(count), 1)
+    size = REACH // dtype.itemsize  # as in C, nobody looks at indices
     memory = (ctypes.c_char * (size * dtype.itemsize)).from_address(int(address))
     found = np.frombuffer(memoryview(memory), dtype, size)
-    return found.view(np.recarray) if dtype.names else found
+    return _Records(found) if dtype.names else found
+
+
+class _Records:
+    """Records in memory; numpy's own would take a field called `size` for something else."""
+
+    def __init__(self, records: Any) -> None:
+        self._records = records
+
+    def __getitem__(self, index: int) -> _Record:
+        return _Record(self._records[index])
+
+
+class _Record:
+    """A record in memory, with its fields as attributes."""
+
+    def __init__(self, record: Any) -> None:
+        self.__dict__["_record"] = record
+
+    def __getattr__(self, name: str) -> Any:
+        return self._record[name]
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        self._record[name] = value
 
 
 def call(function: int, arguments: tuple[Any, ...]) -> int:

@@ -16,7 +16,7 @@ from orchestrator.compiled.translate import NoCError, Unit
 from orchestrator.compiled.types import INT
 from orchestrator.masters.loop.arrays import Floats, IntMatrix, Ints, Matrix
 
-POINT = np.dtype([("number", "i8"), ("x", "f8")])
+POINT = np.dtype([("size", "i8"), ("x", "f8")])
 F4, F8, I8 = np.dtype("f4"), np.dtype("f8"), np.dtype("i8")
 TABLE = np.array([[2, 3], [5, 7]])
 NUMBERS = [-7, -2, -1, 1, 3, 8]
@@ -125,7 +125,7 @@ def test_an_array_of_another_kind_does_not_reach_the_loop(wrong):
 def visited(points, others, x):
     """What adaptors do: memory by address, of any type, and calls by address."""
     point = array(points, 2, POINT)[1]
-    point.number += 3
+    point.size += 3
     point.x = x
     shorts = array(others, 2, F4)
     shorts[1] = x
@@ -140,7 +140,7 @@ def test_memory_is_read_and_written_alike():
     found = []
     for function in (visited.py_func, prototype(visited.address)):
         points, others = np.zeros(2, POINT), np.zeros(2, np.int64)
-        points["number"] = 4, 5
+        points["size"] = 4, 5
         status = function(points.ctypes.data, others.ctypes.data, 0.1)
         found.append((status, points.tobytes(), others.tobytes()))
     assert found[0] == found[1]
