@@ -98,7 +98,10 @@ class MacroLoop(Entry):
         return "\n".join(lines) + "\n"
 
     def bound(self, tables: tuple[Any, ...]) -> Callable[..., None]:
-        """The loop with its tables: what takes the arguments up to `report`."""
+        """The loop with its tables: what takes the arguments up to `report`.
+
+        Its `steps` takes those behind the rows, once, and gives what takes the two rows alone.
+        """
         library = self._library
         if library is None:
             plain = self.py_func
@@ -122,7 +125,21 @@ class MacroLoop(Entry):
             if error := function(address):
                 library.fail(error)
 
+        def steps(start: float, step: float, record: Any, report: Any) -> Callable[..., None]:
+            words[:ahead] = [
+                *chain.from_iterable(map(_words, common, (0, 0, start, step, record, report)))
+            ]
+            kept = record, report
+
+            def take(first: int, last: int, _: Any = kept) -> None:
+                words[0], words[1] = first, last
+                if error := function(address):
+                    library.fail(error)
+
+            return take
+
         call.keeps = (tables, words)  # type: ignore[attr-defined]
+        call.steps = steps  # type: ignore[attr-defined]
         return call
 
     def __call__(self, *arguments: Any) -> None:

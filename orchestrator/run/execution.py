@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from functools import cached_property
 from pathlib import Path
 from typing import Self
@@ -158,11 +158,9 @@ class Execution:
         if self._watch.searching:
             self._watch.search(lambda: settle(c.plan, c.slaves, stepping))
 
-    @contextmanager
-    def guarded(self) -> Iterator[None]:
+    def guarded(self) -> departing:
         """While FMUs have the word: one that ends the program is named, and rows are kept."""
-        with departing(self._last_words):
-            yield
+        return departing(self._last_words)
 
     def _last_words(self) -> str:
         """Keep what was computed, and say which FMU ends the program."""

@@ -62,6 +62,8 @@ class Stepper:
         self._advance: Callable[..., None] = self._bound(self._prepared.tables)
         self._report = np.array([1, 0, 0, 0], np.int64)
         self._watch = watch
+        self._look = 0.0
+        self._take: Callable[[int, int], None] | None = None
         self.wall = 0.0
 
     @property
@@ -75,7 +77,8 @@ class Stepper:
 
     def resume(self, rows: int) -> None:
         """Take so many rows for complete."""
-        self._report[0] = rows
+        self._report[:] = rows, 0, 0, 0
+        self._look = 0.0
 
     def run(self, progress: Progress | None = None) -> Outcome | None:
         """Step to the end, or to what stops it: why, else None."""
@@ -85,7 +88,33 @@ class Stepper:
 
     def step(self, last: int) -> Outcome | None:
         """Step until so many macro steps are done, or to what stops it: why, else None."""
-        return self._guarded(lambda: self._to(last, None))
+        if self._at_once(last):
+            return None
+        reason = self._guarded(lambda: self._to(last, None))
+        self._take = self._bare()
+        self._look = time.perf_counter() + CHUNK
+        return reason
+
+    def _at_once(self, last: int) -> bool:
+        """Step with nothing around it, if there is nothing to be done; whether that was done.
+
+        Rows are taken from the record, and surroundings looked at, some times a second.
+        """
+        begin = time.perf_counter()
+        if begin > self._look or self._take is None or last > self._recording.last:
+            return False
+        self._take(self.rows_done - 1, last)
+        self.wall += time.perf_counter() - begin
+        return not self._report[1]
+
+    def _bare(self) -> Callable[[int, int], None] | None:
+        """The macro loop by row numbers alone; None where there is more to each step."""
+        steps = getattr(self._advance, "steps", None)
+        more = self._texts.watched or self._watch.disturbed or self._checkpoints is not None
+        if steps is None or more or self._report[1]:
+            return None
+        grid = self._grid
+        return steps(grid.start, grid.step, self._recording.in_memory, self._report)
 
     def flush(self) -> Outcome | None:
         """Have all rows that are complete taken from the record: why that cannot be, else None."""

@@ -11,7 +11,7 @@ import ctypes
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from functools import cache
 from typing import Any
 
@@ -23,17 +23,20 @@ DEPTH = 64
 _last_words: list[Callable[[], str]] = []
 
 
-@contextmanager
-def departing(last_words: Callable[[], str]) -> Iterator[None]:
+class departing:  # noqa: N801 - a context, as those of contextlib; entered for each macro step
     """While FMUs have the word: `last_words` is called if one ends the program.
 
     It keeps what there is to be kept, and gives what is said then.
     """
-    _listen()
-    _last_words.append(last_words)
-    try:
-        yield
-    finally:
+
+    def __init__(self, last_words: Callable[[], str]) -> None:
+        _listen()
+        self._last = last_words
+
+    def __enter__(self) -> None:
+        _last_words.append(self._last)
+
+    def __exit__(self, *_: object) -> None:
         _last_words.pop()
 
 
