@@ -26,7 +26,7 @@ WATCHED = ("wheelset_11.y_rel", "truck_rear.axle[2].yaw", "carbody.front.y", "ca
 @pytest.fixture(scope="module")
 def system() -> System:
     """Another car, speed and seed than the FMUs start with."""
-    return hopper_car("empty", speed=24.384, seed=5)
+    return hopper_car("empty", speed=24.384, track="report", seed=5)
 
 
 @pytest.fixture(scope="module")

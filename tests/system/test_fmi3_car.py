@@ -22,7 +22,7 @@ INSTANCES = tuple(HOPPER.blocks)
 
 
 def run_of(*in_fmi3: str, master: str = "one-pass", **options: Any) -> Run:
-    car = hopper_car(track="fra4")
+    car = hopper_car(speed="60 ft/s", track="fra4")
     components = {
         name: replace(
             component, fmu=fmu_path(HOPPER.blocks[name], "3.0" if name in in_fmi3 else "2.0")
@@ -80,7 +80,7 @@ def test_python_wheelset_in_a_mirror_between_fmus_of_both_versions(tmp_path: Pat
 
 def test_fmi3_car_goes_on_from_a_checkpoint_to_the_same_bits(tmp_path: Path) -> None:
     """With what its adaptors remember, too: the last positions of a differentiated velocity."""
-    car = hopper_car(track="fra4")
+    car = hopper_car(speed="60 ft/s", track="fra4")
     components = {
         name: replace(component, fmu=fmu_path(HOPPER.blocks[name], "3.0"))
         for name, component in car.components.items()
@@ -107,7 +107,7 @@ def test_fmi3_car_goes_on_from_a_checkpoint_to_the_same_bits(tmp_path: Path) -> 
 
 def test_steps_are_repeated_through_adaptors_too() -> None:
     """Differentiated velocities forget what was undone: each run meets the one that is not."""
-    car = hopper_car(track="fra4")
+    car = hopper_car(speed="60 ft/s", track="fra4")
     components = {
         name: replace(
             component,

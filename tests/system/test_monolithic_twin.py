@@ -66,7 +66,7 @@ def struck():
 
     No wheel lifts: an integrator sees an element turn while its truck leans only step by step.
     """
-    system = hopper_car(track="perfect")
+    system = hopper_car(speed=60 * FOOT, track="perfect")
     for name, value in (
         ("truck_front.initial.lateral", 9e-3),
         ("truck_front.initial.warp_rate", 0.4),
@@ -99,7 +99,7 @@ def test_a_car_that_slips_and_strikes_moves_as_the_reference(struck):
 
 
 def test_on_irregular_track_the_twin_follows_the_reference():
-    run = monolith(hopper_car(speed=100 * FOOT), duration=1.5)
+    run = monolith(hopper_car(speed=100 * FOOT, track="report"), duration=1.5)
     exact = integrate(
         MonolithicCar(LOADED, 100 * FOOT),
         1.5,
