@@ -176,7 +176,7 @@ def _silent(strain: Array, p: Array) -> frozenset[str]:
     stop_met = p[4] < 0.999 * np.abs(strain).max() and p[1] > NEGLIGIBLE * max(p[0], p[2])
     if not stop_met or p[4] < NEGLIGIBLE:  # a stop without play is part of K0
         silent |= STOP
-    if np.ptp(strain) <= 2 * p[3] / p[2]:
+    if np.ptp(strain) <= 2 * p[3] / p[2] or p[3] < NEGLIGIBLE:  # stuck friction is part of K0
         silent |= {"friction_limit"}
     return frozenset(silent)
 
