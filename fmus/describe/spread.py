@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite, sqrt
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import ndtri
 
 from ..errors import ParameterError
 
@@ -53,7 +53,8 @@ class Spread:
         """The values below which these shares (0 to 1, any shape) of the distribution are."""
         p = np.asarray(shares, float)
         if self.low is None or self.high is None:
-            return self.value + self.standard_deviation * ndtri(np.clip(p, 1e-5, 1 - 1e-5))
+            normal = np.vectorize(NormalDist().inv_cdf, otypes=[float])
+            return self.value + self.standard_deviation * normal(np.clip(p, 1e-5, 1 - 1e-5))
         a, c, b = self.low, self.value, self.high
         left = a + np.sqrt(p * (b - a) * (c - a))
         right = b - np.sqrt((1 - p) * (b - a) * (b - c))
