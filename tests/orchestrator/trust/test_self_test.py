@@ -100,6 +100,22 @@ def test_a_kink_is_no_wrong_derivative():
     assert self_test(Component(kink)).errors == []
 
 
+def test_a_kink_of_one_output_may_choose_the_branch_of_another():
+    """Its derivative is then of no side, where its own one-sided differences agree."""
+    both = InlineModel(
+        inputs={"v": "m/s"},
+        outputs={"force": "N", "other": "N"},
+        depends={"force": ("v",), "other": ("v",)},
+        output=lambda x, u, p: {"force": 3.0 * max(u["v"], -1e-3), "other": 2.0 * u["v"]},
+        directional=lambda x, u, p, seed: (
+            {"force": 3.0 * seed["v"], "other": 2.0 * seed["v"]}
+            if u["v"] > -1e-3
+            else {"force": 0.0, "other": 0.5 * seed["v"]}
+        ),
+    )
+    assert self_test(Component(both)).errors == []
+
+
 def test_undeclared_feedthrough_is_an_error_and_unseen_a_remark():
     found = self_test(Component(damper(10.0, depends={"force": ("ground_v",)}, directional=None)))
     assert errors(found)["dependencies"].startswith("force goes from ")
