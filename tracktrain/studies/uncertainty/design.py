@@ -57,7 +57,7 @@ def _salib() -> Any:
         import SALib.sample.sobol
     except ImportError:
         raise TracktrainError(
-            "the study needs SALib; install it with 'pip install tracktrain[uncertainty]'"
+            "the study needs SALib: python -m pip install 'tracktrain[build,uncertainty]'"
         ) from None
     return SALib
 
