@@ -7,10 +7,15 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 import click
 
+import orchestrator
 from orchestrator import plain
+
+if TYPE_CHECKING:
+    from orchestrator import Run
 
 PACKAGES = ("tracktrain", "orchestrator", "fmus", "structures")
 
@@ -80,6 +85,13 @@ def clear_errors() -> Iterator[None]:
             raise BadInput(str(error)) from None
         fault = plain(f"{type(error).__name__}: {error}")
         raise Stopped(f"{fault} (this is a fault of tracktrain, please report it)") from error
+
+
+def heard(run: Run) -> Run:
+    """The run; raises KeyboardInterrupt where that ended it: of many runs it is meant for all."""
+    if run.outcome is not None and run.outcome.kind is orchestrator.Kind.INTERRUPTED:
+        raise KeyboardInterrupt
+    return run
 
 
 def _told(error: OSError) -> str:

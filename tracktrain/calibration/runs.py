@@ -18,6 +18,7 @@ import xarray as xr
 from orchestrator import Session, Settings, System, describe, simulate
 
 from ..errors import TracktrainError
+from ..failures import heard
 from .chosen import Chosen, with_values
 from .evidence import Array, Group
 from .features import Feature, TimeHistory
@@ -74,7 +75,7 @@ class Kept:
         system = with_values(self.system, self.chosen, values)
         kept = Settings(duration=duration, record=tuple(self.record), every=self.every)
         run = simulate(system, settings=kept, session=self.session)
-        return run.dataset if run.completed else None
+        return run.dataset if heard(run).completed else None
 
     @cached_property
     def _asked(self) -> str:

@@ -48,7 +48,7 @@ def run_one(options: Mapping[str, Any], outputs: Sequence[str] | None, reuse: bo
     from orchestrator import simulate
 
     from ..car.hopper import layout_of
-    from ..failures import PACKAGES
+    from ..failures import PACKAGES, heard
     from ..options.chosen import Shape, chosen_car
 
     begin = time.perf_counter()
@@ -69,7 +69,7 @@ def run_one(options: Mapping[str, Any], outputs: Sequence[str] | None, reuse: bo
         else:
             said = f"{type(error).__name__}: {error}"
         return {"units": {}, "message": said, "wall_time": time.perf_counter() - begin}
-    row = _numbers(run, outputs)
+    row = _numbers(heard(run), outputs)
     row |= {"verdict": str(run.verdict), "message": run.message or ""}
     row["stepping_time"] = run.statistics.wall_stepping
     row["wall_time"] = time.perf_counter() - begin

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -15,7 +16,7 @@ import pytest
 import xarray as xr
 from click.testing import CliRunner
 
-from orchestrator import simulate
+from orchestrator import Kind, Outcome, simulate
 from orchestrator.results.metrics import dominant_frequency, peak, rms
 from support.sweep_rows import squared
 from tracktrain.car.hopper import hopper_car
@@ -25,6 +26,7 @@ from tracktrain.scales import FOOT
 from tracktrain.sweep import sweep
 from tracktrain.sweep.axes import SweepError, make_axis, read_axis
 from tracktrain.sweep.grid import USUAL
+from tracktrain.sweep.one import run_one
 from tracktrain.sweep.table import idle_axes, pace
 from tracktrain.sweep.workers import rows
 
@@ -218,6 +220,16 @@ def test_ctrl_c_keeps_what_is_done(tmp_path):
     assert "the same command goes on" in said and "Traceback" not in said
     done = [json.loads(line)["run"] for line in rows.read_text().splitlines()]
     assert len(done) == len(pd.read_csv(tmp_path / "sweep.csv")) < 2000
+
+
+def test_ctrl_c_in_the_middle_of_a_run_ends_the_sweep_and_not_that_run_alone(monkeypatch):
+    def interrupted(*given, **options):
+        run = simulate(*given, **options)
+        return replace(run, outcome=Outcome(Kind.INTERRUPTED, 0.01))
+
+    monkeypatch.setattr("orchestrator.simulate", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run_one({"duration": 0.01}, None)
 
 
 def test_a_sweep_takes_every_option_of_how_fmus_are_coupled():

@@ -10,6 +10,7 @@ from orchestrator import Component, Connection, InlineModel, Run, System, Value,
 from ...car.changes import swapped
 from ...car.hopper import hopper_car, vehicle
 from ...errors import TracktrainError
+from ...failures import heard
 
 Signals = Mapping[str, float]
 
@@ -59,7 +60,7 @@ def under_test(car: str, block: str, fmu: Path | None) -> tuple[Path, Mapping[st
 
 def completed(run: Run, what: str) -> Run:
     """The run; raises TracktrainError for one that stopped, of which `what` tells what it was."""
-    if not run.completed:
+    if not heard(run).completed:
         raise TracktrainError(f"{what} stopped: {run.message}")
     return run
 

@@ -14,7 +14,7 @@ from ...car.changes import changed, displaced
 from ...car.hopper import hopper_car, layout_of
 from ...car.linear import LinearCar
 from ...car.modes import critical_speeds
-from ...failures import PACKAGES
+from ...failures import PACKAGES, heard
 from ...scales import FOOT
 from ...sweep.one import LOAD_RATIOS, Row, session
 from ..hunting.cycle import observed
@@ -80,7 +80,7 @@ def _cycle(options: Mapping[str, Any]) -> Numbers:
     run = simulate(
         system, duration=options["duration"], record=[motion], every=5, session=session()
     )
-    if not run.completed:
+    if not heard(run).completed:
         raise RuntimeError(str(run.message))
     y = run.dataset[motion]
     before, last = (np.ptp(part) / 2 for part in np.array_split(y.values, QUARTERS)[-2:])
@@ -103,7 +103,7 @@ def _response(options: Mapping[str, Any]) -> Numbers:
     run = simulate(
         system, duration=options["duration"], record=[*names, LOAD_RATIOS], session=session()
     )
-    if not run.completed:
+    if not heard(run).completed:
         raise RuntimeError(str(run.message))
     data = run.dataset
     ratios = [str(name) for name in data.data_vars if str(name).endswith(RATIO)]
