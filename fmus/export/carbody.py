@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import hashlib
-import tempfile
 from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
 
-import platformdirs
-
-from .. import catalogue
 from ..carbody.experiment import reference
 from ..carbody.modal import ModalCarbody
 from ..carbody.modal_data import ModalData
 from ..carbody.modal_files import IN_FMU, as_text
 from ..names import identifier
-from .build import build_products
 from .product import Product
+from .single import build_single, kept
 
 
 def build_carbody(
@@ -29,23 +25,12 @@ def build_carbody(
     written.
     """
     product = carbody_product(data, identifier(out.stem, "carbody"))
-    out.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=out.parent) as folder:
-        (built,) = build_products(Path(folder), [product], platforms, [fmi]).values()
-        built.replace(out)
-    return out
+    return build_single(product, out, fmi, platforms)
 
 
 def carbody_fmu(data: ModalData) -> Path:
     """The FMU of the data for FMI 2.0 and this machine, built once and kept in the user's cache."""
-    text = catalogue.source_hash() + as_text(data)
-    folder = platformdirs.user_cache_path("tracktrain") / "carbodies"
-    digest = hashlib.sha256(text.encode()).hexdigest()[:16]
-    out = folder / digest / f"{identifier(data.name, 'carbody')}.fmu"
-    if not out.exists():
-        with catalogue.announce(f"building the FMU of the carbody {data.name}, once"):
-            build_carbody(data, out)
-    return out
+    return kept("carbodies", "carbody", data.name, as_text(data), partial(build_carbody, data))
 
 
 def carbody_product(data: ModalData, name: str) -> Product:

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import hashlib
-import tempfile
 from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
 
-import platformdirs
-
-from ..catalogue import source_hash
 from ..describe.parameters import DEFAULT_SET, parameter_set
 from ..names import identifier
 from ..track.recorded import RecordedTrack, reference
 from ..track.recorded_data import IN_FMU, TrackData, as_text
-from .build import build_products
 from .product import Product
+from .single import build_single, kept
 
 
 def build_track(
@@ -30,16 +26,9 @@ def build_track(
     parameters = parameter_set(DEFAULT_SET)
     known = reference(data, block, parameters.values(block))
     product = Product(block, parameters, known, {IN_FMU: as_text(data).encode()})
-    out.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=out.parent) as folder:
-        (built,) = build_products(Path(folder), [product], platforms, [fmi]).values()
-        built.replace(out)
-    return out
+    return build_single(product, out, fmi, platforms)
 
 
 def track_fmu(data: TrackData) -> Path:
     """The FMU of the track for FMI 2.0 and this machine, built once and kept in the cache."""
-    digest = hashlib.sha256((source_hash() + as_text(data)).encode()).hexdigest()[:16]
-    folder = platformdirs.user_cache_path("tracktrain") / "tracks"
-    out = folder / digest / f"{identifier(data.name, 'track')}.fmu"
-    return out if out.exists() else build_track(data, out)
+    return kept("tracks", "track", data.name, as_text(data), partial(build_track, data))

@@ -12,7 +12,7 @@ import numpy as np
 from orchestrator import OrchestratorError, Quantity, UnitError, conversion
 
 from ..correlation.channels import Sensor, sensor
-from ..correlation.files import TABLES, factor
+from ..correlation.files import TABLES, delimiter_of, factor, numbered_lines
 from ..errors import TracktrainError, choices
 from .evidence import Array
 from .modal import KINDS, Mode
@@ -148,19 +148,10 @@ def gain_to(unit: str, of: str, name: str, to: str) -> float:
 
 def _rows(path: Path) -> list[tuple[int, list[str]]]:
     """Numbers of lines, and their cells; without comments."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        text = path.read_text(encoding="latin-1")
-    lines = [
-        (number, line)
-        for number, line in enumerate(text.splitlines(), start=1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
+    lines = numbered_lines(path)
     if not lines:
         return []
-    delimiter = max((";", "\t", ","), key=lines[0][1].count)
-    cells = csv.reader([line for _, line in lines], delimiter=delimiter)
+    cells = csv.reader([line for _, line in lines], delimiter=delimiter_of(lines[0][1]))
     return [(n, [c.strip() for c in row]) for (n, _), row in zip(lines, cells, strict=True)]
 
 

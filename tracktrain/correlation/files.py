@@ -75,20 +75,30 @@ def factor(unit: str, to: str) -> float | None:
     return None if found is None else found[0]
 
 
-def _of_table(path: Path) -> dict[str, Channel]:
+def numbered_lines(path: Path) -> list[tuple[int, str]]:
+    """The lines of a table with their numbers, without empty ones and comments."""
     try:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
         text = path.read_text(encoding="latin-1")
-    lines = [
+    return [
         (number, line)
         for number, line in enumerate(text.splitlines(), start=1)
         if line.strip() and not line.lstrip().startswith("#")
     ]
+
+
+def delimiter_of(header: str) -> str:
+    """What parts the cells of a table, by its first line."""
+    return max(DELIMITERS, key=header.count)
+
+
+def _of_table(path: Path) -> dict[str, Channel]:
+    lines = numbered_lines(path)
     if len(lines) < 2:
         raise TracktrainError(f"{path.name} has no rows below a line that names the columns")
     number, header = lines[0]
-    delimiter = max(DELIMITERS, key=header.count)
+    delimiter = delimiter_of(header)
     columns = [_column(cell) for cell in next(csv.reader([header], delimiter=delimiter))]
     if len(columns) < 2 or not re.match(r"(time|t)\b", columns[0][0], re.IGNORECASE):
         raise TracktrainError(

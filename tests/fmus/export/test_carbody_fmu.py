@@ -128,7 +128,7 @@ def test_the_data_travel_with_it(fmu, data):
 
 def test_the_same_data_are_built_once(data, tmp_path, monkeypatch):
     folders = SimpleNamespace(user_cache_path=lambda _: tmp_path)
-    monkeypatch.setattr("fmus.export.carbody.platformdirs", folders)
+    monkeypatch.setattr("fmus.export.single.platformdirs", folders)
     first = carbody_fmu(data)
     at = first.stat().st_mtime_ns
     assert carbody_fmu(data) == first and first.stat().st_mtime_ns == at

@@ -9,12 +9,11 @@ import click
 from rich.console import Console
 
 from ...failures import Stopped, termination_as_interrupt
+from ...options.band import band_options
 from ...options.car import friction_option
 from ...options.chosen import Shape, refuse_idle_options, system_options
 from ...options.types import Name, Quantity
 from ...terminal import plain_console, print_whole, printable, runs_shown, writable
-
-HERTZ = ("Hz", "1/s")
 
 
 @click.command(
@@ -59,18 +58,7 @@ Examples:
     metavar="COLUMN=SIGNAL",
     help="Which signal a column of FILE is, as in `tracktrain correlate`. Repeatable.",
 )
-@click.option(
-    "--low",
-    type=Quantity("frequency", "Hz", HERTZ, "0.3 Hz"),
-    metavar="FREQUENCY",
-    help="Lower corner of the filter on both.  [default: none]",
-)
-@click.option(
-    "--high",
-    type=Quantity("frequency", "Hz", HERTZ, "20 Hz"),
-    metavar="FREQUENCY",
-    help="Upper corner of the filter on both.  [default: a quarter of the lower rate]",
-)
+@band_options
 @click.option(
     "--clock",
     type=Name("clock", ("found", "shared", "apart")),

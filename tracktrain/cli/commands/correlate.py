@@ -7,11 +7,10 @@ from pathlib import Path
 import click
 from rich.console import Console
 
+from ...options.band import band_options
 from ...options.span import span_options
-from ...options.types import Name, Quantity
+from ...options.types import Name
 from ...terminal import plain_console, print_whole, printable, writable
-
-HERTZ = ("Hz", "1/s")
 
 
 @click.command(
@@ -32,18 +31,7 @@ Examples:
     help="Which signal a column of FILE is: a name, or one of the carbody at a sensor's place, "
     "from its centre of gravity. A column named as a signal needs none. Repeatable.",
 )
-@click.option(
-    "--low",
-    type=Quantity("frequency", "Hz", HERTZ, "0.3 Hz"),
-    metavar="FREQUENCY",
-    help="Lower corner of the filter on both.  [default: none]",
-)
-@click.option(
-    "--high",
-    type=Quantity("frequency", "Hz", HERTZ, "20 Hz"),
-    metavar="FREQUENCY",
-    help="Upper corner of the filter on both.  [default: a quarter of the lower rate]",
-)
+@band_options
 @click.option(
     "--clock",
     type=Name("clock", ("found", "shared", "apart")),
