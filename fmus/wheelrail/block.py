@@ -222,7 +222,7 @@ class WheelRail(Block):
         d, common = outer.sym("d", len(self.derived_shapes)), outer(0)
         if law:
             wheels = self._of_signals("wheels", ca.SX, _wheels)(u, p, d)
-            common = rotation(law, kind)(*wheels)
+            common = rotation(law, kind, len(SIDES))(*wheels)
         return ca.Function(
             name or law_name, [x, u, p, d, lookup], [forces(u, p, d, common)], options or {}
         )
@@ -232,9 +232,9 @@ class WheelRail(Block):
         u, p = (kind.sym(n, len(v)) for n, v in (("u", self.inputs), ("p", self.parameters)))
         d, further = kind.sym("d", len(self.derived_shapes)), [kind.sym(n) for n in more]
         found = function(
-            _by_name((port.name for port in self.inputs), u),
-            _by_name((parameter.name for parameter in self.parameters), p),
-            _by_name(self.derived_shapes, d),
+            by_name((port.name for port in self.inputs), u),
+            by_name((parameter.name for parameter in self.parameters), p),
+            by_name(self.derived_shapes, d),
             *further,
         )
         return ca.Function(name, [u, p, d, *further], found)
@@ -260,7 +260,7 @@ class WheelRail(Block):
             creep_x += common
             if law:
                 contact, grip = loaded_contact(
-                    (creep_x, creep_y, spin), _speed(u, p), u[f"load_{side}"], p, d
+                    (creep_x, creep_y, spin), speed_of(u, p), u[f"load_{side}"], p, d
                 )
                 force_x, creep_force_y, spin_moment = (grip * force for force in law(contact))
                 moment_z += spin_moment
@@ -283,13 +283,12 @@ class WheelRail(Block):
                 f"{side}.load_ratio": u[f"load_{side}"] / (0.5 * p["axle_load"]),
                 f"{side}.clearance": -_overlap(sign, off_rail, p),
             }
-        floor_ratio = p["speed_floor"] / ca.fmax(u["speed"], 1e-3 * p["speed_floor"])
         return {
             "force_y": force_y,
             "moment_z": moment_z,
             **y,
             "y_rel": y_rel,
-            "floor_ratio": floor_ratio,
+            "floor_ratio": floor_ratio(u, p),
         }
 
     def _flange(self, sign: int, off_rail: ca.SX, u: Signals, p: Signals) -> ca.SX:
@@ -299,9 +298,25 @@ class WheelRail(Block):
         return -sign * p["flange_stiffness"] * overlap * damped
 
 
-def _speed(u: Signals, p: Signals) -> ca.SX:
+def speed_of(u: Signals, p: Signals) -> ca.SX:
     """The speed of the creepages [m/s]."""
     return ca.fmax(u["speed"], p["speed_floor"])
+
+
+def floor_ratio(u: Signals, p: Signals) -> ca.SX:
+    """Speed floor of the creepages over the speed [1]."""
+    return p["speed_floor"] / ca.fmax(u["speed"], 1e-3 * p["speed_floor"])
+
+
+def motion(u: Signals, p: Signals) -> tuple[ca.SX, ca.SX]:
+    """Lateral creepage [1] and turning [1/m] of a wheelset over its rails, (1), (2)."""
+    speed = speed_of(u, p)
+    return u["vy"] / speed - u["yaw"], u["wz"] / speed  # report (5-11), erratum 1
+
+
+def relative(u: Signals) -> ca.SX:
+    """Lateral displacement of the wheelset relative to the mean of the two rails [m]."""
+    return u["y"] - 0.5 * (u["rail_y_left"] + u["rail_y_right"])
 
 
 def _creepages(u: Signals, p: Signals) -> tuple[ca.SX, dict[str, tuple[ca.SX, ca.SX, ca.SX]]]:
@@ -309,23 +324,20 @@ def _creepages(u: Signals, p: Signals) -> tuple[ca.SX, dict[str, tuple[ca.SX, ca
 
     The longitudinal ones are those of a wheelset that turns at V/r_0.
     """
-    speed, half_spacing = _speed(u, p), p["half_contact_spacing"]
-    y_rel = u["y"] - 0.5 * (u["rail_y_left"] + u["rail_y_right"])
-    creep_y = u["vy"] / speed - u["yaw"]  # report (5-11), erratum 1
+    half_spacing, y_rel = p["half_contact_spacing"], relative(u)
+    creep_y, turning = motion(u, p)
     found = {}
     for side, sign in SIDES.items():
         # report (5-7), (5-13), errata 3, 6: opposite signs left and right
-        creep_x = -sign * (
-            p["conicity"] * y_rel / p["rolling_radius"] + half_spacing * u["wz"] / speed
-        )
-        spin = u["wz"] / speed - sign * p["conicity"] / p["rolling_radius"]
+        creep_x = -sign * (p["conicity"] * y_rel / p["rolling_radius"] + half_spacing * turning)
+        spin = turning - sign * p["conicity"] / p["rolling_radius"]
         found[side] = creep_x, creep_y, spin
     return y_rel, found
 
 
 def _wheels(u: Signals, p: Signals, d: Signals) -> list[ca.SX]:
     """What `common_creepage` needs: both contacts, their grips, the net force wanted [N]."""
-    speed, (_, creepages) = _speed(u, p), _creepages(u, p)
+    speed, (_, creepages) = speed_of(u, p), _creepages(u, p)
     loaded = [loaded_contact(creepages[s], speed, u[f"load_{s}"], p, d) for s in SIDES]
     contacts = [ca.vertcat(*vars(contact).values()) for contact, _ in loaded]
     grips = ca.vertcat(*(grip for _, grip in loaded))
@@ -337,5 +349,5 @@ def _overlap(sign: int, off_rail: ca.SX, p: Signals) -> ca.SX:
     return sign * off_rail - p["flange_clearance"]
 
 
-def _by_name(names: Iterable[str], vector: ca.SX) -> Signals:
+def by_name(names: Iterable[str], vector: ca.SX) -> Signals:
     return dict(zip(names, ca.vertsplit(vector), strict=True))

@@ -52,10 +52,8 @@ def loaded_contact(
     above zero, so that the forces have a derivative at zero load.
     """
     creep_x, creep_y, spin = creepage
-    static = 0.5 * p["axle_load"]
-    carried = ca.fmax(load, 0)
-    pressing = ca.sqrt(carried**2 + (UNLOADED * static) ** 2)
-    size = (pressing / static) ** (1 / 3)
+    pressing, grip = pressed(load, p)
+    size = (pressing / (0.5 * p["axle_load"])) ** (1 / 3)
     contact = Contact(
         creep_x=creep_x,
         creep_y=creep_y,
@@ -71,4 +69,11 @@ def loaded_contact(
         friction=p["friction_coefficient"],
         **{name: p[name] for name in REDUCTIONS},
     )
-    return contact, carried / pressing
+    return contact, grip
+
+
+def pressed(load: ca.SX, p: Signals) -> tuple[ca.SX, ca.SX]:
+    """A normal force [N] that stays above zero, and the grip: what it is to be multiplied by."""
+    carried = ca.fmax(load, 0)
+    pressing = ca.sqrt(carried**2 + (UNLOADED * 0.5 * p["axle_load"]) ** 2)
+    return pressing, carried / pressing

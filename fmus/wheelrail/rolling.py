@@ -1,9 +1,10 @@
-"""The rotation of the wheelset: the creepage of both wheels at which their forces balance, (22)."""
+"""The rotation of the wheelset: the creepage of all contacts that balances their forces, (22)."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import fields
+from functools import reduce
 from typing import Any
 
 import casadi as ca
@@ -19,35 +20,50 @@ BALANCED = 1e-11
 SLIDING = 0.1
 """Creepage by which driven or braked wheels may spin or slide."""
 
-Rotation = Callable[[Law, Any], ca.Function]
-"""From a law and the kind of its symbols to (contacts, grips, wanted) -> common creepage."""
+Rotation = Callable[[Law, Any, int], ca.Function]
+"""From a law, the kind of its symbols and a number of contacts to (contacts, grips, wanted) ->
+common creepage."""
 
 FIELDS = len(fields(Contact))
-SYMBOLS = {"contacts": (FIELDS, 2), "grips": (2, 1), "wanted": (1, 1)}
-"""Both contacts with nothing in common yet; factors on their forces; the net force wanted [N]."""
 
 
-def common_creepage(law: Law, kind: Any) -> ca.Function:
-    """(contacts, grips, wanted) -> the creepage that both wheels have in common.
+def _symbols(kind: Any, count: int) -> list[Any]:
+    """The contacts with nothing in common yet; factors on their forces; the force wanted [N]."""
+    shapes = {"contacts": (FIELDS, count), "grips": (count, 1), "wanted": (1, 1)}
+    return [kind.sym(name, *shape) for name, shape in shapes.items()]
 
-    Between the creepages at which either wheel alone rolls freely, by false position with halving
+
+def _contacts(columns: Any) -> list[Contact]:
+    return [Contact(*ca.vertsplit(columns[:, i])) for i in range(columns.size2())]
+
+
+def in_proportion(contacts: Any, grips: Any, wanted: Any) -> Any:
+    """The common creepage in closed form where forces are f11 times the creepage."""
+    wheels = _contacts(contacts)
+    weights = [grips[i] * wheel.f11 * wheel.leverage for i, wheel in enumerate(wheels)]
+    balance = sum(weight * w.creep_x for weight, w in zip(weights, wheels, strict=True))
+    total = sum(weight * w.leverage for weight, w in zip(weights, wheels, strict=True))
+    return -(balance + wanted) / ca.fmax(total, 1e-9)
+
+
+def common_creepage(law: Law, kind: Any, count: int = 2) -> ca.Function:
+    """(contacts, grips, wanted) -> the creepage that all contacts have in common.
+
+    Between the creepages at which each contact alone rolls freely, by false position with halving
     (Illinois; Dowell and Jarratt, BIT 11, 1971). Not to be differentiated: see `differentiable`.
     """
-    net = net_force(law, kind)
-    contacts, grips, wanted = (ca.MX.sym(name, *shape) for name, shape in SYMBOLS.items())
-    rows: list[Any] = [ca.vertsplit(contacts[:, i]) for i in range(2)]
-    wheels: list[Any] = [Contact(*row) for row in rows]
-    creeps = [wheel.creep_x for wheel in wheels]
-    weights = [grips[i] * wheels[i].f11 for i in range(2)]
-    balance = sum(weight * creep for weight, creep in zip(weights, creeps, strict=True))
-    guess = -balance / ca.fmax(sum(weights), 1e-9)
-    limit = sum(grips[i] * wheels[i].friction * wheels[i].load for i in range(2))
+    net = net_force(law, kind, count)
+    contacts, grips, wanted = _symbols(ca.MX, count)
+    wheels = _contacts(contacts)
+    creeps = [wheel.creep_x / wheel.leverage for wheel in wheels]
+    guess = in_proportion(contacts, grips, ca.MX(0))
+    limit = sum(grips[i] * w.leverage * w.friction * w.load for i, w in enumerate(wheels))
     reach = SLIDING * (wanted != 0)
-    ends = ca.vertcat(-ca.fmax(*creeps) - reach, -ca.fmin(*creeps) + reach)
+    ends = ca.vertcat(-reduce(ca.fmax, creeps) - reach, -reduce(ca.fmin, creeps) + reach)
     forces = ca.vertcat(limit - wanted, -limit - wanted)
     at_guess = net(guess, contacts, grips) - wanted
     state = ca.vertcat(ends, forces, guess, at_guess, 0)
-    narrowed = _narrowed(net)
+    narrowed = _narrowed(net, count)
     for _ in range(EVALUATIONS):
         state = narrowed(state, contacts, grips, wanted, limit)
     return ca.Function(
@@ -58,49 +74,49 @@ def common_creepage(law: Law, kind: Any) -> ca.Function:
     )
 
 
-def differentiable(law: Law, kind: Any) -> ca.Function:
+def differentiable(law: Law, kind: Any, count: int = 2) -> ca.Function:
     """The same with its derivatives.
 
     One Newton step from a creepage that is taken for a constant: by the theorem of implicit
     functions its derivatives are those of the root.
     """
-    return _improved(law, kind, common_creepage(law, kind))
+    return _improved(law, kind, common_creepage(law, kind, count), count)
 
 
-def at_rest(law: Law, kind: Any) -> ca.Function:
+def at_rest(law: Law, kind: Any, count: int = 2) -> ca.Function:
     """(contacts, grips, wanted) -> the common creepage near straight running with equal loads."""
-    symbols = [ca.MX.sym(name, *shape) for name, shape in SYMBOLS.items()]
-    return _improved(law, kind, ca.Function("none", symbols, [ca.MX(0)]))
+    return _improved(law, kind, ca.Function("none", _symbols(ca.MX, count), [ca.MX(0)]), count)
 
 
-def _improved(law: Law, kind: Any, guess: ca.Function) -> ca.Function:
+def _improved(law: Law, kind: Any, guess: ca.Function, count: int) -> ca.Function:
     """A guess with a Newton step after it."""
-    net = net_force(law, kind)
+    net = net_force(law, kind, count)
     slope = net.factory("slope", net.name_in(), [f"jac:{net.name_out(0)}:{net.name_in(0)}"])
-    contacts, grips, wanted = symbols = [ca.MX.sym(n, *shape) for n, shape in SYMBOLS.items()]
+    contacts, grips, wanted = symbols = _symbols(ca.MX, count)
     root = guess(*symbols)
     falling = ca.fmin(slope(root, contacts, grips), -1e-9)
     better = root - (net(root, contacts, grips) - wanted) / falling
     return ca.Function("improved", symbols, [better])
 
 
-def net_force(law: Law, kind: Any) -> ca.Function:
-    """(common creepage, contacts, grips) -> sum of the longitudinal forces [N]."""
+def net_force(law: Law, kind: Any, count: int = 2) -> ca.Function:
+    """(common creepage, contacts, grips) -> sum of the longitudinal forces [N], at the nominal
+    radius."""
     common = kind.sym("common")
-    contacts, grips = (kind.sym(name, *SYMBOLS[name]) for name in ("contacts", "grips"))
-    wheels = (Contact(*ca.vertsplit(contacts[:, i])).rolling(common) for i in range(2))
-    total = sum(grips[i] * law(wheel)[0] for i, wheel in enumerate(wheels))
+    contacts, grips, _ = _symbols(kind, count)
+    wheels = [wheel.rolling(common) for wheel in _contacts(contacts)]
+    total = sum(grips[i] * wheel.leverage * law(wheel)[0] for i, wheel in enumerate(wheels))
     return ca.Function("net_force", [common, contacts, grips], [total], {"never_inline": True})
 
 
-def _narrowed(net: ca.Function) -> ca.Function:
+def _narrowed(net: ca.Function, count: int) -> ca.Function:
     """(state, contacts, grips, wanted, limit) -> state after one more evaluation, if it is needed.
 
     state: low and high end of the bracket, the excess of force there, the last guess and its
     excess, and which end moved last. The excess falls with the creepage.
     """
     state = ca.MX.sym("state", 7)
-    contacts, grips, wanted = (ca.MX.sym(name, *shape) for name, shape in SYMBOLS.items())
+    contacts, grips, wanted = _symbols(ca.MX, count)
     limit = ca.MX.sym("limit")
     low, high, at_low, at_high, guess, at_guess, moved = ca.vertsplit(state)
     above = at_guess > 0

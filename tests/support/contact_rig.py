@@ -42,6 +42,7 @@ class ContactRig:
     slip_reduction: float = 1.0
     friction_ratio: float = 1.0
     friction_decay: float = 0.0
+    leverage: float = 1.0
 
     @cached_property
     def coefficients(self) -> dict[str, float]:

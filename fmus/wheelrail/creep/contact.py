@@ -22,6 +22,7 @@ class Contact:
     load: normal force [N], above zero; friction: friction coefficient
     creep_reduction, adhesion_reduction, slip_reduction: factors on the creep stiffness
     friction_ratio: friction coefficient of fast over slow slip; friction_decay [s/m]
+    leverage: rolling radius over the nominal one
 
     Expressions, SX or MX.
     """
@@ -43,6 +44,7 @@ class Contact:
     slip_reduction: ca.SX
     friction_ratio: ca.SX
     friction_decay: ca.SX
+    leverage: ca.SX | float = 1.0
 
     @property
     def slip(self) -> ca.SX:
@@ -51,7 +53,7 @@ class Contact:
 
     def rolling(self, creepage: ca.SX) -> Contact:
         """The same contact of a wheel that rolls slower by a longitudinal creepage."""
-        return replace(self, creep_x=self.creep_x + creepage)
+        return replace(self, creep_x=self.creep_x + self.leverage * creepage)
 
 
 Law = Callable[[Contact], tuple[ca.SX, ca.SX, ca.SX]]

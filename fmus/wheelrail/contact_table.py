@@ -1,0 +1,137 @@
+"""The contact geometry of a wheel profile on a rail profile: tables over the lateral shift."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from ..errors import ParameterError
+
+IN_FMU = "extra/org.tracktrain/contact.csv"
+"""Place of the table in the FMU of a wheelset on profiles."""
+
+FEWEST = 4
+"""Nodes that a cubic spline needs."""
+
+STEEPEST = np.radians(89.0)
+"""Contact angle [rad] beyond which forces have no bound."""
+
+
+@dataclass(frozen=True)
+class Patch:
+    """One contact of a wheel, node by node; all columns (nodes,) are smooth.
+
+    over: shift or climb [m], equally spaced; see `ContactTable`
+    radius: rolling radius [m]
+    angle: of the contact plane to the track plane [rad], above zero on a tread that rises outwards
+    roll: of the wheelset [rad], above zero where it lifts this wheel
+    place: lateral distance of the contact from the middle of the wheelset [m]
+    height: by how much this wheel is lifted [m]
+    wheel_curvature, rail_curvature: of the profiles in their own plane [1/m], convex above zero
+    """
+
+    over: np.ndarray
+    radius: np.ndarray
+    angle: np.ndarray
+    roll: np.ndarray
+    place: np.ndarray
+    height: np.ndarray
+    wheel_curvature: np.ndarray
+    rail_curvature: np.ndarray
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """All columns by name."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    def check(self, name: str) -> None:
+        """Raise ParameterError for what makes no contact; name: of the table and the patch."""
+        count = self.over.size
+        shapes = {field: column.shape for field, column in self.columns().items()}
+        if count < FEWEST or set(shapes.values()) != {(count,)}:
+            raise ParameterError(
+                f"{name} has columns of the shapes {shapes}; give {FEWEST} nodes at least, and "
+                "every column at each node"
+            )
+        if not all(np.isfinite(column).all() for column in self.columns().values()):
+            raise ParameterError(f"{name} has values that are not finite; give finite numbers")
+        steps = np.diff(self.over)
+        if not (steps > 0).all() or np.ptp(steps) > 1e-6 * steps.mean():
+            raise ParameterError(f"{name} is not equally spaced, rising; give equal steps")
+        if np.abs(self.angle).max() > STEEPEST:
+            raise ParameterError(
+                f"{name} has a contact angle of {np.degrees(np.abs(self.angle).max()):.3g} deg; "
+                f"give angles below {np.degrees(STEEPEST):.3g} deg"
+            )
+        flat = self.wheel_curvature + self.rail_curvature
+        if not ((flat > 0).all() and (self.radius > 0).all() and (self.place > 0).all()):
+            raise ParameterError(
+                f"{name} has a contact that is no point: radius and place must be above zero, and "
+                "so must the sum of the two curvatures (a convex rail in a hollow wheel that is "
+                "less curved)"
+            )
+
+
+@dataclass(frozen=True)
+class ContactTable:
+    """A wheel on its rail, on both sides alike.
+
+    name: of the pair. rolling_radius: nominal one [m]. tread: over the shift of the wheel towards
+    its own rail [m], up to the shift at which the flange touches; the wheelset is rolled so that
+    both wheels touch. flange: over the climb [m], by how much the wheel is shifted beyond that with
+    the flange alone on the rail, from 0; None where none touches. said: where it comes from, a line
+    each. Raises ParameterError.
+    """
+
+    name: str
+    rolling_radius: float
+    tread: Patch
+    flange: Patch | None = None
+    said: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for part, patch in self.patches().items():
+            patch.check(f"{self.name}, {part}")
+        if not self.tread.over[0] < 0 < self.clearance:
+            raise ParameterError(
+                f"{self.name}: the tread is given from {self.tread.over[0]:g} to "
+                f"{self.clearance:g} m; give it on both sides of shift 0"
+            )
+        if self.flange is not None and self.flange.over[0] != 0:
+            raise ParameterError(
+                f"{self.name}: the flange begins at a climb of {self.flange.over[0]:g} m; give it "
+                "from 0"
+            )
+
+    @property
+    def clearance(self) -> float:
+        """Shift at which the flange touches, or the table ends [m]."""
+        return float(self.tread.over[-1])
+
+    @property
+    def half_spacing(self) -> float:
+        """Half distance of the contact points of a centred wheelset [m]."""
+        return float(np.interp(0.0, self.tread.over, self.tread.place))
+
+    @property
+    def flange_angle(self) -> float:
+        """Steepest contact angle [rad]."""
+        return float(max(patch.angle.max() for patch in self.patches().values()))
+
+    def patches(self) -> dict[str, Patch]:
+        """Tread and flange, as far as there are."""
+        parts = {"tread": self.tread, "flange": self.flange}
+        return {name: patch for name, patch in parts.items() if patch is not None}
+
+
+def as_text(table: ContactTable) -> str:
+    """The table as CSV, to the last bit: said lines after #, then a row for each node."""
+    lines = [f"# {line}" for line in (table.name, *table.said)]
+    lines.append(f"# rolling_radius = {table.rolling_radius!r} m")
+    units = {"angle": "rad", "roll": "rad", "wheel_curvature": "1/m", "rail_curvature": "1/m"}
+    heads = [f"{field.name} [{units.get(field.name, 'm')}]" for field in fields(Patch)]
+    lines.append(",".join(["patch", *heads]))
+    for name, patch in table.patches().items():
+        rows = zip(*patch.columns().values(), strict=True)
+        lines += [",".join([name, *(repr(float(value)) for value in row)]) for row in rows]
+    return "\n".join(lines) + "\n"
