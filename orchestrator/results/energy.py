@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..compiled.entries import macro_loop
+from ..compiled.marks import in_c
+from ..masters.loop.arrays import Floats, Ints, Matrix, ints
+from ..masters.loop.record import Record, at
 from ..plan.bonds import Bond
 from ..plan.plan import Link
 
@@ -31,6 +35,18 @@ class BondResidual:
         return 0.0 if self.passed == 0.0 else abs(self.residual) / self.passed
 
 
+class Sides(NamedTuple):
+    """One side of every bond: its column of the record, and that of the ends it is led to, or -1.
+
+    An end is in the target's unit, which is gain times the source's, plus an offset.
+    """
+
+    column: Ints
+    end: Ints
+    gain: Floats
+    offset: Floats
+
+
 class BondSums:
     """Energy of every bond, summed up step by step: in whatever blocks, to the same last bit.
 
@@ -45,72 +61,81 @@ class BondSums:
         led: Mapping[Link, int],
         step: float,
     ) -> None:
-        self._bonds, self._column_of, self._led, self._step = bonds, column_of, led, step
+        self._names, self._step = [bond.name for bond in bonds], step
         # Passed, residual [J]; change of the force from step to step, and its size [N].
         self.values = np.zeros((4, len(bonds)))
-        self._watts = np.array([[bond.watts] for bond in bonds])
 
-    def add(self, rows: NDArray[np.float64], ends: NDArray[np.float64]) -> None:
-        """Add the steps between rows, shape (steps + 1, columns).
+        def side(links: Sequence[Link]) -> Sides:
+            return Sides(
+                ints(column_of[link.source, link.output.name] for link in links),
+                ints(led.get(link, -1) for link in links),
+                np.array([link.gain for link in links], float),
+                np.array([link.offset for link in links], float),
+            )
 
-        ends: what led inputs were led to at the end of each step [target's unit].
-        """
+        forces = side([bond.force for bond in bonds])
+        velocities = side([bond.velocity for bond in bonds])
+        watts = np.array([bond.watts for bond in bonds], float)
+        self._report = np.zeros(4, np.int64)
+        self._add = add_work.bound((forces, velocities, watts, self.values))
+
+    def add(self, first: int, last: int, record: Record) -> None:
+        """Add the macro steps `first` to `last`."""
         with np.errstate(over="ignore", invalid="ignore"):  # what blows up is for the verdict
-            self._add(rows, ends)
-
-    def _add(self, rows: NDArray[np.float64], ends: NDArray[np.float64]) -> None:
-        if not self._bonds:
-            return
-        force, force_end = self._side([bond.force for bond in self._bonds], rows, ends)
-        velocity, velocity_end = self._side([bond.velocity for bond in self._bonds], rows, ends)
-        f0, f1, v0, v1 = force[:, :-1], force[:, 1:], velocity[:, :-1], velocity[:, 1:]
-        source = _work(f0, f1, v0, velocity_end, self._step) * self._watts
-        target = _work(f0, force_end, v0, v1, self._step) * self._watts
-        size = np.abs(force)
-        for total, terms in zip(
-            self.values,
-            (
-                0.5 * (np.abs(source) + np.abs(target)),
-                source - target,
-                np.abs(f1 - f0),
-                size[:, 1:] + size[:, :-1],
-            ),
-            strict=True,
-        ):
-            # One by one, so that the sum does not depend on where a block ends.
-            total[:] = np.cumsum(np.column_stack((total, terms)), axis=1)[:, -1]
+            self._add(first, last, 0.0, self._step, record, self._report)
 
     def residuals(self) -> list[BondResidual]:
         """Energy residual of every bond so far."""
         return [
-            BondResidual(bond.name, passed, residual, change / size if size > 0.0 else 0.0)
-            for bond, (passed, residual, change, size) in zip(
-                self._bonds, self.values.T.tolist(), strict=True
+            BondResidual(name, passed, residual, change / size if size > 0.0 else 0.0)
+            for name, (passed, residual, change, size) in zip(
+                self._names, self.values.T.tolist(), strict=True
             )
         ]
 
-    def _side(
-        self, links: Sequence[Link], rows: NDArray[np.float64], ends: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Outputs, and what their inputs were led to at each step's end [source's unit].
 
-        Shape (links, rows), a row fewer for the second.
-        """
-        columns = [self._column_of[link.source, link.output.name] for link in links]
-        values = np.ascontiguousarray(rows[:, columns].T)
-        led = values[:, :-1].copy()
-        for place, link in enumerate(links):
-            if link in self._led:
-                led[place] = (ends[:, self._led[link]] - link.offset) / link.gain
-        return values, led
-
-
-def _work(
-    f0: NDArray[np.float64],
-    f1: NDArray[np.float64],
-    v0: NDArray[np.float64],
-    v1: NDArray[np.float64],
+@macro_loop
+def add_work(
+    first: int,
+    last: int,
+    start: float,
     step: float,
-) -> NDArray[np.float64]:
+    record: Record,
+    report: Ints,
+    forces: Sides,
+    velocities: Sides,
+    watts: Floats,
+    sums: Matrix,
+) -> None:
+    """Add what passed from row `first` to row `last` to the sums, shape (4, bonds)."""
+    rows = record.rows
+    for k in range(first, last):
+        before, after = at(record, k), at(record, k + 1)
+        for n in range(watts.size):
+            f0, f1 = rows[before, forces.column[n]], rows[after, forces.column[n]]
+            v0, v1 = rows[before, velocities.column[n]], rows[after, velocities.column[n]]
+            force_end, velocity_end = (
+                led_end(forces, n, record, k),
+                led_end(velocities, n, record, k),
+            )
+            source = work(f0, f1, v0, velocity_end, step) * watts[n]
+            target = work(f0, force_end, v0, v1, step) * watts[n]
+            sums[0, n] += 0.5 * (abs(source) + abs(target))
+            sums[1, n] += source - target
+            sums[2, n] += abs(f1 - f0)
+            sums[3, n] += abs(f1) + abs(f0)
+
+
+@in_c
+def led_end(sides: Sides, n: int, record: Record, k: int) -> float:
+    """What a side's input was led to at the end of the step from row k [source's unit]."""
+    place = at(record, k)
+    if sides.end[n] < 0:
+        return record.rows[place, sides.column[n]]
+    return (record.ends[place, sides.end[n]] - sides.offset[n]) / sides.gain[n]
+
+
+@in_c
+def work(f0: float, f1: float, v0: float, v1: float, step: float) -> float:
     """Integral over a step of the product of two linear functions."""
     return step / 6.0 * (2.0 * f0 * v0 + f0 * v1 + f1 * v0 + 2.0 * f1 * v1)

@@ -105,8 +105,7 @@ class Recording:
             return
         while self._taken < done:
             first, self._taken = self._taken, min(self._taken + BLOCK, done)
-            before, after = max(first - 1, 0) - self.first, self._taken - self.first
-            self._sums.add(self.rows[before:after], self.ends[before : after - 1])
+            self._sums.add(max(first - 1, 0), self._taken - 1, self.in_memory)
             if self.sinks:
                 self._give(self.kept(first, self._taken))
         self._flushed = time.perf_counter()
