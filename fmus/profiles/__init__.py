@@ -1,0 +1,1 @@
+"""Profiles of wheels and rails, and where a wheelset touches its track."""

@@ -1,0 +1,166 @@
+"""Contact geometry against closed forms: cones and circles on circles, mirrored, yawed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fmus.errors import ParameterError
+from fmus.profiles.conicity import RadiusDifference
+from fmus.profiles.geometry import Track, Wheelset, contact_geometry
+from fmus.profiles.profile import Profile
+from fmus.profiles.shapes import shape
+from fmus.profiles.tables import contact_table
+
+RADIUS, SPACING, GAUGE = 0.46, 1.5, 1.435
+SHIFTS = np.linspace(-8e-3, 8e-3, 33)
+
+
+def cone(taper: float) -> Profile:
+    y = np.linspace(-0.06, 0.06, 241)
+    return Profile("wheel", f"cone of {taper}", np.column_stack([y, taper * y]))
+
+
+def hollow(taper: float, radius: float) -> Profile:
+    """A circle about a centre below the tread; its tangent at the tape circle has the taper."""
+    y = np.linspace(-0.06, 0.06, 481)
+    turn = np.arcsin(np.sin(np.arctan(taper)) - y / radius)
+    z = radius * (np.cos(turn) - np.cos(turn[240]))
+    return Profile("wheel", "hollow", np.column_stack([y, z]))
+
+
+def round_rail(radius: float) -> Profile:
+    angle = np.linspace(-1.2, 1.2, 4001) * min(1.0, 0.03 / radius)
+    points = radius * np.column_stack([np.sin(angle), np.cos(angle) - 1])
+    return Profile("rail", f"round {radius}", points)
+
+
+def on_circles(taper: float, radius: float, centre: float, shift: np.ndarray):
+    """Roll, and radius left and right, of cones on circles whose tops are at +-centre."""
+    steep = np.hypot(1.0, taper)
+    const = -radius * steep - RADIUS - taper * SPACING / 2
+    roll = np.zeros_like(shift)
+    for _ in range(20):
+        c, s = np.cos(roll), np.sin(roll)
+        down = (const + taper * centre * c - shift * s) / c
+        roll = np.arctan(taper * shift / (centre + taper * down))
+    c, s = np.cos(roll), np.sin(roll)
+    heights = [-sign * (centre - sign * shift) * s + down * c for sign in (1, -1)]
+    return roll, *(-(height + radius / steep) for height in heights)
+
+
+@pytest.mark.parametrize("crown", [0.012, 0.3])
+def test_cones_on_circles_roll_and_grow_as_in_closed_form(crown):
+    rail = round_rail(crown)
+    width = float(np.ptp(rail.points[:, 0])) / 2
+    geometry = contact_geometry(
+        Wheelset(cone(0.05), RADIUS, SPACING), Track(rail, GAUGE, 1.0), SHIFTS
+    )
+    roll, left, right = on_circles(0.05, crown, GAUGE / 2 + width, SHIFTS)
+    np.testing.assert_allclose(geometry.roll, roll, atol=1e-12)
+    np.testing.assert_allclose(geometry.left.radius, left, atol=1e-12)
+    np.testing.assert_allclose(geometry.right.radius, right, atol=1e-12)
+    np.testing.assert_allclose(geometry.left.angle, np.arctan(0.05) + roll, atol=1e-12)
+    np.testing.assert_allclose(geometry.left.rail_curvature, 1 / crown, rtol=1e-5)
+    assert np.abs(geometry.left.wheel_curvature).max() < 1e-8
+    assert geometry.jumps == ()
+
+
+def test_circles_on_circles_have_wickens_conicity():
+    taper, wheel, rail = 0.02, 0.5, 0.3
+    geometry = contact_geometry(
+        Wheelset(hollow(taper, wheel), RADIUS, SPACING),
+        Track(round_rail(rail), GAUGE, 1.0),
+        SHIFTS / 40,
+    )
+    half = geometry.left.place[16]
+    slope = geometry.left.angle[16]  # where they touch when centred
+    found = RadiusDifference(geometry.shift, geometry.radius_difference).by_integration(1e-4)
+    expected = wheel * slope / (wheel - rail) * (half + rail * slope) / (half - RADIUS * slope)
+    assert found == pytest.approx(expected, rel=2 * slope**2)
+    np.testing.assert_allclose(geometry.left.wheel_curvature, -1 / wheel, rtol=1e-4)
+
+
+def test_a_mirrored_wheelset_on_a_mirrored_track_has_mirrored_contacts():
+    conical, worn, rail = shape("conical"), shape("worn"), shape("crown")
+    one = contact_geometry(
+        Wheelset(conical, RADIUS, SPACING, worn, RADIUS - 1e-3),
+        Track(rail, GAUGE, inclination=(1 / 40, 1 / 20), right=shape("60e1")),
+        SHIFTS,
+        0.005,
+    )
+    other = contact_geometry(
+        Wheelset(worn, RADIUS - 1e-3, SPACING, conical, RADIUS),
+        Track(shape("60e1"), GAUGE, inclination=(1 / 20, 1 / 40), right=rail),
+        -SHIFTS[::-1],
+        -0.005,
+    )
+    np.testing.assert_allclose(one.roll, -other.roll[::-1], atol=1e-12)
+    np.testing.assert_allclose(one.left.radius, other.right.radius[::-1], atol=1e-12)
+    np.testing.assert_allclose(one.right.ahead, other.left.ahead[::-1], atol=1e-9)
+
+
+def test_two_points_of_one_wheel_touch_where_the_contact_jumps_to_the_flange():
+    wheelset = Wheelset(shape("conical"), 0.4191, 1.5113)
+    track = Track(shape("crown"), 1.4351, 0.015875, 1 / 40)
+    coarse = contact_geometry(wheelset, track, np.linspace(7e-3, 10e-3, 31))
+    (jump,) = coarse.jumps
+    assert jump.side == "left"
+    at = contact_geometry(wheelset, track, [jump.shift - 1e-6])
+    assert abs(at.left_second.gap[0]) < 1e-6
+    assert at.left_second.on_wheel[0] == pytest.approx(jump.after.on_wheel, abs=1e-4)
+    assert np.degrees(jump.after.angle) == pytest.approx(70, abs=0.5)
+
+
+def test_a_yawed_flange_touches_ahead_of_its_axle():
+    wheelset = Wheelset(shape("conical"), 0.4191, 1.5113)
+    track = Track(shape("crown"), 1.4351, 0.015875, 1 / 40)
+    straight, yawed = (contact_geometry(wheelset, track, [9e-3], yaw).left for yaw in (0.0, 0.01))
+    assert straight.ahead[0] == 0.0
+    assert yawed.ahead[0] + np.sin(0.01) * yawed.place[0] == pytest.approx(
+        yawed.radius[0] * np.tan(straight.angle[0]) * np.sin(0.01), rel=0.05
+    )
+
+
+def test_yaw_of_a_cone_shifts_its_contact_by_the_taper():
+    taper, yaw = 0.05, 0.01
+    track = Track(round_rail(0.3), GAUGE, 1.0)
+    found = contact_geometry(Wheelset(cone(taper), RADIUS, SPACING), track, [0.0], yaw)
+    spoke = found.left.radius[0] * taper * np.sin(yaw)
+    axle = -np.sin(yaw) * (SPACING / 2 + found.left.on_wheel[0])
+    assert found.left.ahead[0] == pytest.approx(spoke + axle, abs=1e-12)
+
+
+def test_the_wheelset_slides_along_the_contact_planes():
+    at = np.array([-6e-3, 6e-3, 9e-3])  # tread, tread, flange
+    step = 1e-7
+    wheelset = Wheelset(shape("conical"), 0.4191, 1.5113)
+    track = Track(shape("crown"), 1.4351, 0.015875, 1 / 40)
+    before, here, after = (contact_geometry(wheelset, track, at + s) for s in (-step, 0, step))
+    roll, lift = (
+        (getattr(after, name) - getattr(before, name)) / (2 * step) for name in ("roll", "lift")
+    )
+    for points, sign in ((here.left, 1), (here.right, -1)):
+        up = lift + points.place * sign * roll
+        out = sign * (1 + (0.4191 + here.lift - points.height) * roll)
+        np.testing.assert_allclose(up, np.tan(points.angle) * out, atol=1e-6)
+
+
+def test_a_table_has_the_contacts_of_its_geometry():
+    wheelset = Wheelset(shape("conical"), 0.4191, 1.5113)
+    track = Track(shape("crown"), 1.4351, 0.015875, 1 / 40)
+    table = contact_table(wheelset, track, 1e-3)
+    assert table.clearance == pytest.approx(8.4586e-3, abs=1e-6)
+    assert np.degrees(table.tread.angle.max()) < 5 < 55 < np.degrees(table.flange.angle.min())
+    at = contact_geometry(
+        wheelset, track, [table.tread.over[50], table.clearance + table.flange.over[-1]]
+    )
+    np.testing.assert_allclose(
+        [table.tread.radius[50], table.flange.radius[-1]], at.left.radius, atol=1e-12
+    )
+    np.testing.assert_allclose([table.tread.roll[50], table.flange.roll[-1]], at.roll, atol=1e-12)
+
+
+def test_a_wheel_beside_its_rail_is_refused():
+    with pytest.raises(ParameterError, match="does not touch 60e1 at a shift of 0 mm"):
+        contact_geometry(Wheelset(shape("conical"), 0.46, 1.75), Track(shape("60e1"), 1.435), [0.0])
