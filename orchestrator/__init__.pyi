@@ -24,6 +24,7 @@ from .masters.gauss_seidel import GaussSeidel
 from .masters.iterated import Iterated
 from .masters.jacobi import Jacobi
 from .masters.one_pass import OnePass
+from .naming import is_pattern, picked
 from .plan.plan import Plan, component_description, make_plan
 from .plan.ports import Problem, fit
 from .results.callback import Callback
@@ -141,6 +142,7 @@ __all__ = [
     "from_time",
     "in_unit",
     "interpolated",
+    "is_pattern",
     "linearise",
     "make_plan",
     "master_named",
@@ -153,6 +155,7 @@ __all__ = [
     "peak",
     "peak_of",
     "percentile_of",
+    "picked",
     "plain",
     "read_checkpoint",
     "read_port_map",

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib.util
 import re
 from collections.abc import Callable, Mapping, Sequence
-from fnmatch import fnmatchcase
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ import xarray as xr
 from scipy.io import savemat
 
 from .errors import TracktrainError, choices
+from .quantities import signals_meant
 from .results import opened
 
 LONGEST = 63
@@ -51,11 +51,8 @@ def convert(
 def chosen(dataset: xr.Dataset, signals: Sequence[str]) -> xr.Dataset:
     """The signals whose names fit a pattern; raises TracktrainError for one that none fits."""
     names = [str(name) for name in dataset.data_vars]
-    for pattern in signals:
-        if not any(fnmatchcase(name, pattern) or name == pattern for name in names):
-            raise TracktrainError(f"the run has no signal '{pattern}'; {choices(pattern, names)}")
-    fitting = [n for n in names if not signals or any(fnmatchcase(n, p) or n == p for p in signals)]
-    return dataset[fitting]
+    wanted = {name for asked in signals for name in signals_meant(asked, names, "the run")}
+    return dataset[[name for name in names if name in wanted or not signals]]
 
 
 def _csv(dataset: xr.Dataset, file: Path) -> None:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 
-from orchestrator import choices
+from orchestrator import choices, picked
 
 from .car.hopper import layout_of
 from .car.layout import Shown
@@ -33,28 +33,46 @@ MOST = 12
 """Signals of a system that is no car."""
 
 
-def shown_quantities(runs: Mapping[str, xr.Dataset], asked: Sequence[str] = ()) -> list[Shown]:
+def shown_quantities(
+    runs: Mapping[str, xr.Dataset], asked: Sequence[str] = (), only: bool = False
+) -> list[Shown]:
     """The car's quantities that any run has, else their first signals; then those asked for.
 
-    runs: by name. Raises TracktrainError for a signal that no run has.
+    runs: by name. asked: names as `picked` reads them, or what the car's quantities are called.
+    only: those asked for and no others. Raises TracktrainError for a signal that no run has.
     """
     present = dict.fromkeys(str(name) for data in runs.values() for name in data.data_vars)
-    found = {
+    usual = {
         shown.variable: shown
         for data in runs.values()
         for shown in layout_of(data).quantities.values()
         if shown.variable in data
     }
-    for name in asked if found or asked else list(present)[:MOST]:
-        if name not in present:
-            raise TracktrainError(
-                f"no run of {', '.join(runs)} has the signal '{name}'; {choices(name, present)}"
-            )
-        present_in = [data[name] for data in runs.values() if name in data]
-        largest = max(float(np.abs(values).max()) for values in present_in)
-        unit, factor = shown_unit(str(present_in[0].attrs.get("units", "1")), largest)
-        found.setdefault(name, Shown(name, name, Scale("" if unit == "1" else unit, factor)))
+    called = {shown.label: shown for shown in usual.values()}
+    found = {} if only else dict(usual)
+    typed = [
+        name for one in asked for name in signals_meant(one, [*called, *present], ", ".join(runs))
+    ]
+    for name in typed if found or asked else list(present)[:MOST]:
+        shown = called.get(name) or _shown(name, runs)
+        found.setdefault(shown.variable, shown)
     return list(found.values())
+
+
+def _shown(name: str, runs: Mapping[str, xr.Dataset]) -> Shown:
+    """A signal in a unit that suits its largest value."""
+    present_in = [data[name] for data in runs.values() if name in data]
+    largest = max(float(np.abs(values).max()) for values in present_in)
+    unit, factor = shown_unit(str(present_in[0].attrs.get("units", "1")), largest)
+    return Shown(name, name, Scale("" if unit == "1" else unit, factor))
+
+
+def signals_meant(asked: str, names: Collection[str], where: str) -> list[str]:
+    """The signals that are meant; raises TracktrainError where none is. where: they were sought."""
+    found = picked(asked, names)
+    if not found:
+        raise TracktrainError(f"there is no signal '{asked}' in {where}; {choices(asked, names)}")
+    return found
 
 
 def shown_unit(unit: str, largest: float) -> tuple[str, float]:

@@ -2,25 +2,16 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from ..errors import ResultsError, choices
 from ..fmu.arrays import reading
 from ..fmu.description import Description, Variable
+from ..naming import picked
 from ..system.system import System
 
 INNER = ("local", "calculatedParameter", "parameter", "structuralParameter")
 """Causalities of variables that are kept only where no port has the name that was asked for."""
-
-
-def _matching(pattern: str, names: Collection[str]) -> Iterator[str]:
-    """The names that a pattern means; one without `*` and `?` means itself."""
-    if "*" in pattern or "?" in pattern:
-        expression = re.escape(pattern).replace(r"\*", ".*").replace(r"\?", ".")
-        yield from filter(re.compile(expression).fullmatch, names)
-    elif pattern in names:
-        yield pattern
 
 
 def with_asked(
@@ -30,22 +21,28 @@ def with_asked(
     asked: list[set[str]] = [set() for _ in names]
     if record is None:
         return list(descriptions)
-    ports = {
-        f"{name}.{v.name}"
-        for name, d in zip(names, descriptions, strict=True)
-        for v in (*d.outputs, *d.inputs)
-    }
+    ports, inner = (
+        [
+            {f"{name}.{v.name}": v.name for v in d.variables.values() if fits(v)}
+            for name, d in zip(names, descriptions, strict=True)
+        ]
+        for fits in (_is_port, _is_inner)
+    )
+    known = {full for own in ports for full in own}
     for pattern in record:
-        if any(_matching(pattern, ports)):
+        if not any(pattern in own for own in inner) and picked(pattern, known):
             continue
-        for own, name, d in zip(asked, names, descriptions, strict=True):
-            inner = {
-                f"{name}.{v.name}": v.name
-                for v in d.variables.values()
-                if v.causality in INNER and v.coupled
-            }
-            own |= {inner[found] for found in _matching(pattern, inner)}
+        for own, found in zip(asked, inner, strict=True):
+            own |= {found[full] for full in picked(pattern, found)}
     return [reading(d, own) for d, own in zip(descriptions, asked, strict=True)]
+
+
+def _is_port(variable: Variable) -> bool:
+    return variable.causality in ("output", "input")
+
+
+def _is_inner(variable: Variable) -> bool:
+    return variable.causality in INNER and variable.coupled
 
 
 def recorded(
@@ -63,7 +60,7 @@ def recorded(
         return frozenset(available)
     wanted: set[str] = set()
     for pattern in record:
-        found = set(_matching(pattern, available))
+        found = set(picked(pattern, available))
         if not found:
             raise ResultsError(f"no output matches '{pattern}'; {choices(pattern, available)}")
         wanted |= found

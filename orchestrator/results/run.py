@@ -12,8 +12,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..errors import ResultsError, choices
 from ..fmu.description import Variable
+from ..naming import meant
 from ..run.outcome import Outcome
 from ..run.texts import Changes, write_texts
 from ..summary import Rows, Summarised
@@ -88,12 +88,8 @@ class Run(Summarised):
         }
 
     def __getitem__(self, name: str) -> xr.DataArray:
-        """The values of "instance.variable" over time; raises ResultsError."""
-        if name not in self.dataset:
-            raise ResultsError(
-                f"the run has no '{name}'; {choices(name, [n for n, _ in self.variables])}"
-            )
-        return self.dataset[name]
+        """The values of "instance.variable", as `picked` reads it, over time; ResultsError."""
+        return self.dataset[meant(name, self._ipython_key_completions_(), "the run has no")]
 
     def _ipython_key_completions_(self) -> list[str]:
         return [name for name, _ in self.variables]

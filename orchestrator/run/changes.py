@@ -8,6 +8,7 @@ import numpy as np
 
 from ..errors import CouplingError, choices
 from ..fmu.description import Variable
+from ..naming import picked
 from ..plan.connections import split
 from ..plan.plan import Plan
 from ..plan.start_values import resolve
@@ -30,7 +31,7 @@ class Changes:
 
         Raises CouplingError, SlaveError, ValueRefusedError.
         """
-        instance, variable_name = split(name)
+        instance, variable_name = split(self._spelled(name))
         if instance not in self._plan.names:
             raise CouplingError(
                 f"'{name}' is in no instance; {choices(instance, self._plan.names)}"
@@ -52,6 +53,15 @@ class Changes:
                     slave.set_reals([variable], numbers)
                     changed[self._plan.name(number, variable)] = float(numbers[0])
         return changed
+
+    def _spelled(self, asked: str) -> str:
+        """The name of what can be set that `picked` reads in it; else what was asked."""
+        names = self._plan.names
+        if asked.partition(".")[0] in names:
+            return asked
+        free = [f"{name}.{own}" for number, name in enumerate(names) for own in self._free(number)]
+        found = picked(asked, free)
+        return found[0] if len(found) == 1 else asked
 
     def _refusal(self, number: int, variable: Variable) -> str:
         """Why a variable cannot be set; empty if it can."""

@@ -14,9 +14,10 @@ from uuid import uuid4
 
 import numpy as np
 
-from ..errors import CouplingError, ResultsError, choices
+from ..errors import CouplingError
 from ..fmu.description import Variable
 from ..masters.base import Master
+from ..naming import meant
 from ..plan.plan import make_plan
 from ..results.energy import BondResidual
 from ..results.folder import owned
@@ -265,18 +266,26 @@ class Execution:
         return float(self.context.grid.time(self._row))
 
     def __getitem__(self, name: str) -> float:
-        """Value of an output "instance.variable" at `time`; raises ResultsError."""
+        """Value of an output "instance.variable" at `time`, as `picked` reads it.
+
+        Raises ResultsError where none is meant, or several are.
+        """
         if name not in self._columns:
-            raise ResultsError(f"there is no output '{name}'; {choices(name, self._columns)}")
+            self._columns[name] = self._columns[
+                meant(name, self._ipython_key_completions_(), "there is no output")
+            ]
         if not self._initialised:
             self.initialise()
         row = self.first_row if self._stepper is None else self._recording.row(self._row)
         return float(row[self._columns[name]])
 
+    def _ipython_key_completions_(self) -> list[str]:
+        plan = self.context.plan
+        return [plan.name(i, v) for i, v in plan.columns]
+
     @cached_property
     def _columns(self) -> dict[str, int]:
-        plan = self.context.plan
-        return {plan.name(i, v): n for n, (i, v) in enumerate(plan.columns)}
+        return {name: n for n, name in enumerate(self._ipython_key_completions_())}
 
     @cached_property
     def _open_inputs(self) -> dict[str, int]:

@@ -17,12 +17,12 @@ from matplotlib.figure import Figure
 
 from ..car.layout import Shown
 from ..errors import TracktrainError
+from ..overlaid import overlaid
 from ..quantities import shown_quantities
 from ..report.sheet import png, sheet
+from ..runs import named, within
 from .differences import differences, remarks
 from .numbers import numbers, still, unsettled
-from .pictures import signals, spectra
-from .runs import named, within
 
 NAME = "comparison.html"
 
@@ -87,7 +87,8 @@ def write_comparison(found: Comparison, folder: Path, command: str = "") -> list
 
 def drawn(found: Comparison) -> dict[str, Figure]:
     """The pictures of a comparison by name."""
+    panels = [[signal] for signal in found.shown]
     return {
-        "signals": signals(found.runs, found.shown),
-        "spectra": spectra(found.runs, found.shown),
+        "signals": overlaid(found.runs, panels),
+        "spectra": overlaid(found.runs, panels, spectra=True),
     }

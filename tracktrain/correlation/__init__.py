@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from ..comparison.runs import named, within
 from ..report.sheet import png, sheet
+from ..runs import named, within
 from .channels import matched
 from .conditioning import CLOCKS, Conditioned, condition
 from .files import read_channels

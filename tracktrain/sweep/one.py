@@ -77,12 +77,14 @@ def run_one(options: Mapping[str, Any], outputs: Sequence[str] | None, reuse: bo
 
 
 def _numbers(run: Run, outputs: Sequence[str]) -> Row:
-    from orchestrator import dominant_frequency, peak, rms
+    from orchestrator import dominant_frequency, peak, picked, rms
 
     data = run.dataset
     row: Row = {"units": {}}
-    for name in map(str, data.data_vars):
-        if any(fnmatchcase(name, pattern) or name == pattern for pattern in outputs):
+    names = [str(name) for name in data.data_vars]
+    wanted = {name for asked in outputs for name in picked(asked, names)}
+    for name in names:
+        if name in wanted:
             values = data[name]
             unit = str(values.attrs.get("units", "1"))
             row |= {f"{name}.rms": rms(values), f"{name}.peak": peak(values)}

@@ -10,8 +10,8 @@ import xarray as xr
 
 from orchestrator import RESULTS_NAME
 
-from ..errors import TracktrainError
-from ..results import opened
+from .errors import TracktrainError
+from .results import opened
 
 LEAST_ROWS = 2
 

@@ -1,0 +1,75 @@
+"""The command `tracktrain plot`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ...errors import TracktrainError
+from ...options.span import span_options
+
+KINDS = (".png", ".svg", ".pdf")
+
+
+@click.command(
+    epilog="""\b
+Examples:
+  tracktrain plot tracktrain-results
+  tracktrain plot tracktrain-results --of "wheelset_*.force_y" --over distance
+  tracktrain plot tracktrain-results --of "lateral force in lbf" --of "carbody cg ay in g_0"
+  tracktrain plot loaded empty --of carbody.front.ay --spectrum
+  tracktrain plot tracktrain-results --of wheelset_11.force_y --over wheelset_11.y_rel"""
+)
+@click.argument("runs", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="RUN...")
+@click.option(
+    "--of",
+    multiple=True,
+    metavar="SIGNAL",
+    help="A signal, several by * and ?, words of its name in any spelling, or how it ends; "
+    '"SIGNAL in UNIT" for another unit. Repeatable.  [default: the usual ones]',
+)
+@click.option(
+    "--over",
+    default="time",
+    show_default=True,
+    metavar="time|distance|SIGNAL",
+    help="What the curves go over.",
+)
+@click.option("--spectrum", is_flag=True, help="Draw power spectral densities.")
+@click.option("--together", is_flag=True, help="Draw signals of one unit in one panel.")
+@span_options
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, dir_okay=False),
+    default=Path("plot.png"),
+    show_default=True,
+    metavar="FILE",
+    help=f"The picture ({', '.join(KINDS)}).",
+)
+def command(
+    runs: tuple[Path, ...],
+    of: tuple[str, ...],
+    over: str,
+    spectrum: bool,
+    together: bool,
+    begin: float | None,
+    end: float | None,
+    out: Path,
+) -> None:
+    """Draw any signals of one or several runs, of the car or of any other system.
+
+    Each RUN is the folder of a run, or its results.nc.
+    """
+    if out.suffix.lower() not in KINDS:
+        raise TracktrainError(f"'{out}' is no picture; it may end in {', '.join(KINDS)}")
+    from ...plotting import plot
+
+    figure = plot(runs, of, over=over, spectrum=spectrum, together=together, begin=begin, end=end)
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(out)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise TracktrainError(f"'{out}' cannot be written: {reason}") from None
+    click.echo(str(out))
