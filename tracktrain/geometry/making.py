@@ -15,7 +15,7 @@ from orchestrator import choices
 from ..car.hopper import parameters_of
 from .errors import GeometryError
 from .shapes import Shape
-from .spectra import NAMES, chinese, read_spectrum
+from .spectra import NAMES, chinese, is_spectrum_file, read_spectrum
 
 Array = np.ndarray
 Band = tuple[float, float]
@@ -28,6 +28,19 @@ def empty(name: str, length: float, spacing: float) -> TrackData:
     """Perfect track [m]."""
     count = round(length / spacing) + 1
     return TrackData(name, 0.0, spacing, np.zeros((len(CHANNELS), count)))
+
+
+def drawn(
+    spectrum: str, seed: int, length: float, spacing: float, waves: Band | None = None
+) -> TrackData:
+    """A track of a spectrum alone [m]; raises GeometryError."""
+    track = empty(Path(spectrum).stem, length, spacing)
+    return with_spectrum(track, spectrum, seed, waves)
+
+
+def is_spectrum(given: str) -> bool:
+    """Whether it names a spectrum: one of `KNOWN`, or a table of one."""
+    return given in KNOWN or is_spectrum_file(Path(given))
 
 
 def with_spectrum(

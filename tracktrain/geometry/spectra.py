@@ -17,7 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from fmus.track.spectra import CHANNELS
+from fmus.track.spectra import CHANNELS, REPORT_SPECTRA, SPECTRA, amplitudes, corners
+from fmus.track.spectra import density as block_density
 
 from .errors import GeometryError
 from .table import read_table, read_text
@@ -29,6 +30,13 @@ LINES = 600
 POINTS = 400
 """Of a formula that becomes pieces."""
 NAMES = ("chinese-main-line", "chinese-high-speed")
+LEVELLED = tuple(
+    name.replace("_", "-") for name in SPECTRA if name not in (*REPORT_SPECTRA, "perfect")
+)
+PUBLISHED = (*LEVELLED, *NAMES)
+"""Spectra whose level is published, too: those of the track block, and the Chinese ones."""
+WIDEST = (0.5, 1000.0)
+"""Waves [m] that the formulas of the block are told in as pieces."""
 
 
 @dataclass(frozen=True)
@@ -128,9 +136,38 @@ def chinese(name: str) -> Spectrum:
     return Spectrum(name, channels, (f"{data['description']} ({data['source']})", data["note"]))
 
 
+@cache
+def published(name: str) -> Mapping[str, Pieces]:
+    """Densities by channel of one of `PUBLISHED`, without those that are nothing."""
+    if name in NAMES:
+        return chinese(name).channels
+    number, x = SPECTRA.index(name.replace("-", "_")), np.geomspace(*WIDEST[::-1], POINTS)
+    return {
+        channel: Pieces.through(
+            1 / x,
+            2 * np.pi * block_density(channel, 2 * np.pi / x, level, *corners()[:, number]),
+        )
+        for channel, level in zip(CHANNELS, amplitudes()[:, number], strict=True)
+        if level > 0
+    }
+
+
 ANGULAR, CYCLIC = "wavenumber", "frequency"
 DENSITIES = dict.fromkeys(CHANNELS, "m^3")
 SIDES = {"one-sided": 1.0, "two-sided": 2.0}
+
+
+def is_spectrum_file(path: Path) -> bool:
+    """Whether a file's first column is that of a spectrum; a track's is the station."""
+    if not path.is_file():
+        return False
+    heads = _heads(path.read_text("latin-1"))
+    return re.match(rf"\s*({CYCLIC}|{ANGULAR})", heads, re.IGNORECASE) is not None
+
+
+def _heads(text: str) -> str:
+    """The line that names the columns."""
+    return next((line for line in text.splitlines() if line.strip() and line[0] != "#"), "")
 
 
 def read_spectrum(path: Path) -> Spectrum:
@@ -140,8 +177,7 @@ def read_spectrum(path: Path) -> Spectrum:
     is one- or two-sided has to be said. Raises GeometryError.
     """
     text = read_text(path)
-    heads = next((line for line in text.splitlines() if line.strip() and line[0] != "#"), "")
-    first = CYCLIC if re.match(rf"\s*{CYCLIC}", heads, re.IGNORECASE) else ANGULAR
+    first = CYCLIC if re.match(rf"\s*{CYCLIC}", _heads(text), re.IGNORECASE) else ANGULAR
     units = {first: "1/m" if first == CYCLIC else "rad/m", **DENSITIES}
     table = read_table(path.name, text, units, first)
     word, place = table.said.get("density", ("", path.name))

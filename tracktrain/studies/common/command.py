@@ -33,16 +33,7 @@ def study_command(
                 wanted = function.__annotations__
                 given |= {name: value for name, value in taken.items() if name in wanted}
                 outcome = function(**given)
-            try:
-                outcome.write(folder)
-            except OSError as error:
-                reason = (error.strerror or str(error)).lower()
-                raise TracktrainError(f"'{folder}' cannot be written to ({reason})") from None
-            if as_json:
-                found = {"title": outcome.title, "tables": outcome.tables, "notes": outcome.notes}
-                print_json(**found, folder=folder)
-            elif not quiet:
-                _print(outcome, folder)
+            deliver(outcome, folder, quiet, as_json)
 
         run.__doc__ = function.__doc__
         command = click.command(name, epilog=epilog)(run)
@@ -62,6 +53,20 @@ def study_command(
         return command
 
     return decorate
+
+
+def deliver(outcome: Outcome, folder: Path, quiet: bool = False, as_json: bool = False) -> None:
+    """Write an outcome to a folder, and print it as tables or as JSON."""
+    try:
+        outcome.write(folder)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise TracktrainError(f"'{folder}' cannot be written to ({reason})") from None
+    if as_json:
+        found = {"title": outcome.title, "tables": outcome.tables, "notes": outcome.notes}
+        print_json(**found, folder=folder)
+    elif not quiet:
+        _print(outcome, folder)
 
 
 def _print(outcome: Outcome, folder: Path) -> None:

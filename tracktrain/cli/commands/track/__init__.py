@@ -14,8 +14,9 @@ from ...group import LazyGroup, in_files
 Examples:
   tracktrain track make low_joints.csv --shape twist-and-roll:at=100m
   tracktrain track make mine.csv --from recorder.csv --say "cross_level_positive=right high"
+  tracktrain track inspect mine.csv
   tracktrain track build mine.csv
   tracktrain run --track mine.csv""",
 )
 def command() -> None:
-    """Make and build a track of your own (docs/own_track.md)."""
+    """Make, inspect and build a track of your own (docs/own_track.md)."""
