@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 
 from .car.hopper import layout_of
 from .curves import extremes
+from .panels import BOTTOM, INCH, LEFT, RIGHT, TOP, Panel, limits_of
 from .results import mean_speed
 from .scales import ACCELERATION, ANGLE, DISPLACEMENT, FOOT, FORCE, MILE_PER_HOUR, Scale
 
@@ -38,31 +39,55 @@ STYLE: Any = {
     "ytick.color": MUTED,
     "ytick.labelcolor": INK,
 }
-WIDTH, SIDE, BOTTOM = 9.0, 0.95, 0.5
-"""Of a figure, of the margins left and right, and below [in]."""
+WIDTH, SIDE, FOOT_ROOM, GAP = 9.0, 0.95, 0.5, 0.18
+"""Of a figure, of the margins left and right, below, and between panels [in]."""
 
-LABEL = -0.075
-"""Place of the labels left of the axes, in their width."""
+MARGIN = 0.08
+"""Room above and below a curve, in its height."""
+
+ABOVE = 35.0
+"""From the panel to a title with a ruler between [pt]."""
 
 POINTS = 4000
 """A line of more samples is drawn as the envelope of about this many."""
 
 
 @dataclass(frozen=True)
-class Panel:
-    """One curve on its own axes."""
+class Curve:
+    """What one panel shows. bound: least and most of it, where they are not its own [SI]."""
 
     values: np.ndarray
     label: str
     scale: Scale
     colour: str = BLUE
+    bound: float | None = None
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """The least and the most that is shown [the scale's unit]."""
+        if self.bound is not None:
+            bound = max(self.bound * self.scale.factor, np.finfo(float).tiny)
+            return -bound, bound
+        return limits_of(self.values * self.scale.factor, MARGIN)
+
+
+@dataclass(frozen=True)
+class Size:
+    """Height of a panel, and room above the first [in]; from it to the title [pt]."""
+
+    height: float = 1.4
+    top: float = 0.4
+    title: float = 6.0
+
+
+USUAL = Size()
 
 
 @mpl.rc_context(STYLE)
 def plot_lateral_force(dataset: xr.Dataset) -> Figure:
     """Lateral wheel/rail force on the leading axle against time, as report Figure 6-1."""
     name = layout_of(dataset).quantities["force"].variable
-    force = Panel(_values(dataset, name), "lateral force", FORCE)
+    force = Curve(_values(dataset, name), "lateral force", FORCE)
     return _response(dataset, force, "Leading axle of the front truck: lateral wheel/rail force")
 
 
@@ -70,7 +95,7 @@ def plot_lateral_force(dataset: xr.Dataset) -> Figure:
 def plot_displacement(dataset: xr.Dataset) -> Figure:
     """Leading axle's lateral displacement from the rails against time, as report Figure 6-2."""
     name = layout_of(dataset).quantities["displacement"].variable
-    gap = Panel(_values(dataset, name), "displacement", DISPLACEMENT, RED)
+    gap = Curve(_values(dataset, name), "displacement", DISPLACEMENT, RED)
     title = "Leading axle of the front truck: lateral displacement relative to the rails"
     return _response(dataset, gap, title)
 
@@ -81,28 +106,27 @@ def plot_track(dataset: xr.Dataset) -> Figure:
     layout = layout_of(dataset)
     rail = {side: _values(dataset, name) for side, name in layout.rails.items()}
     channels = [
-        Panel((rail["y_left"] + rail["y_right"]) / 2, "alignment", DISPLACEMENT, BLUE),
-        Panel((rail["z_left"] + rail["z_right"]) / 2, "profile", DISPLACEMENT, GREEN),
-        Panel(rail["z_left"] - rail["z_right"], "cross-level", DISPLACEMENT, PURPLE),
-        Panel(rail["y_left"] - rail["y_right"], "gauge", DISPLACEMENT, RED),
+        Curve((rail["y_left"] + rail["y_right"]) / 2, "alignment", DISPLACEMENT, BLUE),
+        Curve((rail["z_left"] + rail["z_right"]) / 2, "profile", DISPLACEMENT, GREEN),
+        Curve(rail["z_left"] - rail["z_right"], "cross-level", DISPLACEMENT, PURPLE),
+        Curve(rail["y_left"] - rail["y_right"], "gauge", DISPLACEMENT, RED),
     ]
-    drawn = [panel for panel in channels if np.any(np.abs(panel.values) > 0.0)]
+    drawn = [curve for curve in channels if np.any(np.abs(curve.values) > 0.0)]
     distance = _values(dataset, layout.distance)
-    figure, axes = _panels(distance, drawn or channels[:1], top=0.8)
     title = "Track under the leading axle of the front truck"
-    axes[0].set_title(_with_speed(title if drawn else f"{title}: perfect", dataset))
-    axes[-1].set_xlabel("distance run [m]")
-    feet = axes[0].secondary_xaxis("top", functions=conversion(1.0 / FOOT))
-    feet.set_xlabel("distance run [ft]")
-    return figure
+    title = _with_speed(title if drawn else f"{title}: perfect", dataset)
+    size = Size(top=0.8, title=ABOVE)
+    panels = _panels(distance, "distance run [m]", drawn or channels[:1], title, size)
+    panels[0].rule(TOP, "distance run [ft]", 1.0 / FOOT)
+    return panels[0].figure
 
 
 @mpl.rc_context(STYLE)
 def plot_carbody(dataset: xr.Dataset) -> Figure:
     """Carbody's lateral, roll and yaw motion and its accelerations against time."""
     carbody = layout_of(dataset).carbody
-    panels = [
-        Panel(_values(dataset, f"{carbody}.cg.{name}"), label, scale, colour)
+    curves = [
+        Curve(_values(dataset, f"{carbody}.cg.{name}"), label, scale, colour)
         for name, label, scale, colour in (
             ("y", "lateral", DISPLACEMENT, BLUE),
             ("roll", "roll", ANGLE, GREEN),
@@ -111,10 +135,8 @@ def plot_carbody(dataset: xr.Dataset) -> Figure:
             ("az", "vertical acc.", ACCELERATION, RED),
         )
     ]
-    figure, axes = _panels(_values(dataset, "time"), panels)
-    axes[0].set_title(_with_speed("Carbody at its centre of gravity", dataset))
-    axes[-1].set_xlabel("time [s]")
-    return figure
+    title = _with_speed("Carbody at its centre of gravity", dataset)
+    return _panels(_values(dataset, "time"), "time [s]", curves, title)[0].figure
 
 
 PICTURES: dict[str, Callable[[xr.Dataset], Figure]] = {
@@ -139,53 +161,51 @@ def write_pictures(dataset: xr.Dataset, folder: Path) -> list[Path]:
     return written
 
 
-def _response(dataset: xr.Dataset, panel: Panel, title: str) -> Figure:
-    figure, (axes,) = _panels(_values(dataset, "time"), [panel], height=2.6, top=0.55)
-    rms = float(np.sqrt(np.mean(panel.values**2)))
-    peak = float(np.max(np.abs(panel.values)))
-    axes.set_title(
-        f"{_with_speed(title, dataset)}\nrms (dashed) {panel.scale.words(rms)},  "
-        f"peak {panel.scale.words(peak)}"
+def _response(dataset: xr.Dataset, curve: Curve, title: str) -> Figure:
+    rms = float(np.sqrt(np.mean(curve.values**2)))
+    peak = float(np.max(np.abs(curve.values)))
+    said = (
+        f"{_with_speed(title, dataset)}\nrms (dashed) {curve.scale.words(rms)},  "
+        f"peak {curve.scale.words(peak)}"
     )
+    time, bounded = _values(dataset, "time"), replace(curve, bound=1.06 * peak)
+    panels = _panels(time, "time [s]", [bounded], said, Size(2.6, top=0.55))
     for level in (rms, -rms):
-        axes.axhline(level * panel.scale.factor, color=MUTED, linewidth=0.9, linestyle=(0, (5, 3)))
-    bound = 1.06 * max(peak * panel.scale.factor, np.finfo(float).tiny)
-    axes.set_ylim(-bound, bound)
-    axes.set_xlabel("time [s]")
-    return figure
+        value = level * curve.scale.factor
+        panels[0].curve(panels[0].x, (value, value), color=MUTED, lw=0.9, ls=(0, (5, 3)))
+    return panels[0].figure
 
 
 def _panels(
-    x: np.ndarray, panels: Sequence[Panel], height: float = 1.55, top: float = 0.4
-) -> tuple[Figure, list[Axes]]:
+    x: np.ndarray, label: str, curves: Sequence[Curve], title: str, size: Size = USUAL
+) -> list[Panel]:
     """Panels one below the other over the same x, each with both of its units.
 
-    height: of one panel; top: room above the first [in]. The margins are fixed, since a layout
-    engine would draw everything twice.
+    label: of x, with its unit.
     """
-    size = (WIDTH, top + height * len(panels) + BOTTOM)
-    figure = Figure(figsize=size)
-    grid = figure.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
-    figure.subplots_adjust(
-        left=SIDE / size[0],
-        right=1.0 - SIDE / size[0],
-        top=1.0 - top / size[1],
-        bottom=BOTTOM / size[1],
-        hspace=0.12,
-    )
-    for axes, panel in zip(grid, panels, strict=True):
-        axes.plot(*envelope(x, panel.values * panel.scale.factor), color=panel.colour)
-        axes.set_ylabel(f"{panel.label}\n[{panel.scale.unit}]")
-        axes.yaxis.set_label_coords(LABEL, 0.5)
-        axes.margins(x=0.0, y=0.08)
-        if not np.any(panel.values):
-            axes.set_ylim(-1.0, 1.0)
-        axes.locator_params(axis="y", nbins=5)
-        if panel.scale.report_unit:
-            ratio = panel.scale.report_factor / panel.scale.factor
-            right = axes.secondary_yaxis("right", functions=conversion(ratio))
-            right.set_ylabel(f"[{panel.scale.report_unit}]")
-    return figure, list(grid)
+    pitch = size.height + GAP
+    height = size.top + pitch * len(curves) - GAP + FOOT_ROOM
+    figure = Figure(figsize=(WIDTH, height))
+    panels = []
+    for number, curve in enumerate(curves):
+        last = number == len(curves) - 1
+        top = height - size.top - pitch * number
+        panel = Panel(
+            figure,
+            (SIDE * INCH, (WIDTH - SIDE) * INCH),
+            ((top - size.height) * INCH, top * INCH),
+            limits_of(x),
+            curve.limits,
+        )
+        panel.rule(BOTTOM, label if last else "", numbers=last, grid=True)
+        panel.rule(LEFT, f"{curve.label}\n[{curve.scale.unit}]", grid=True)
+        if curve.scale.report_unit:
+            ratio = curve.scale.report_factor / curve.scale.factor
+            panel.rule(RIGHT, f"[{curve.scale.report_unit}]", ratio)
+        panel.curve(*envelope(x, curve.values * curve.scale.factor), color=curve.colour)
+        panels.append(panel)
+    panels[0].title(title, size.title)
+    return panels
 
 
 def envelope(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
