@@ -36,6 +36,7 @@ from .results.netcdf import RESULTS_NAME, ResultsFile
 from .results.provenance import Provenance
 from .results.reading import open_results
 from .results.run import Run
+from .results.signals import Response, Responses, Signals
 from .results.sink import Header, Sink
 from .results.stationary import (
     Estimate,
@@ -114,12 +115,15 @@ __all__ = [
     "Provenance",
     "Quantity",
     "Request",
+    "Response",
+    "Responses",
     "ResultsError",
     "ResultsFile",
     "Run",
     "Session",
     "Settings",
     "Settling",
+    "Signals",
     "Sink",
     "State",
     "System",

@@ -27,6 +27,7 @@ FLOORS = (
 DOORS = {
     "fmus/catalogue.py": "FMUs that are built already are found without what builds them",
     "orchestrator/masters/*.py": "masters are named in a help text; their loops are compiled",
+    "orchestrator/results/run.py": "xarray loads when a dataset is asked for",
     "orchestrator/slaves/loading.py": "what stands before FMUs of other types is compiled",
     "fmus/carbody/modes.py": "FMUs are built without SciPy, and their known results made with it",
     "fmus/describe/units.py": "pint reads its registry of units",

@@ -15,19 +15,16 @@ from dataclasses import dataclass
 from functools import cache
 from math import tan
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator import in_unit
+from orchestrator import Responses, in_unit
 
 from .car.hopper import layout_of
 from .car.layout import SIDES
 from .rows import chunks
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 Array = NDArray[np.float64]
 LIMITS = Path(__file__).parent / "assessment" / "limits.toml"
@@ -92,7 +89,7 @@ def nadal_rule() -> Nadal:
     return Nadal(limit, _si(rule["window"], "m"), rule["source"])
 
 
-def events(dataset: xr.Dataset) -> list[Event]:
+def events(dataset: Responses) -> list[Event]:
     """All events of a run, in the order of their beginning; none of a system that is no car."""
     layout = layout_of(dataset)
     watched = [

@@ -90,7 +90,7 @@ def _span(result: Run, until: float) -> str:
 
 def _differing(result: Run, other: Run) -> set[str]:
     rows = min(len(result.time), len(other.time))
-    ours, theirs = result.dataset, other.dataset
+    ours, theirs = result.signals, other.signals
     return {
         str(name)
         for name in theirs.data_vars

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from matplotlib import rcParams
 from matplotlib.figure import Figure
-from matplotlib.lines import TICKDOWN, TICKLEFT, TICKRIGHT, TICKUP, Line2D
+from matplotlib.lines import Line2D
+from matplotlib.markers import TICKDOWN, TICKLEFT, TICKRIGHT, TICKUP
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
@@ -159,10 +160,11 @@ def _turned(side: Side, along: Any, across: Any) -> tuple[Any, Any]:
 
 def _marks(low: float, high: float, most: int) -> tuple[Array, list[str], str]:
     """The marks, their numbers, and the power of ten that these are to be taken times."""
-    places = MaxNLocator(most, steps=STEPS).tick_values(low, high)
+    places = np.asarray(MaxNLocator(most, steps=STEPS).tick_values(low, high))
     places = places[(places >= low) & (places <= high)]
     formatter = ScalarFormatter(useOffset=False)
     formatter.create_dummy_axis()
-    formatter.axis.set_view_interval(low, high)
-    texts = formatter.format_ticks(places)
+    axis: Any = formatter.axis
+    axis.set_view_interval(low, high)
+    texts = formatter.format_ticks(places.tolist())
     return places, texts, formatter.get_offset()

@@ -9,9 +9,10 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+
+from orchestrator import Responses
 
 from .car.hopper import layout_of
 from .curves import extremes
@@ -84,7 +85,7 @@ USUAL = Size()
 
 
 @mpl.rc_context(STYLE)
-def plot_lateral_force(dataset: xr.Dataset) -> Figure:
+def plot_lateral_force(dataset: Responses) -> Figure:
     """Lateral wheel/rail force on the leading axle against time, as report Figure 6-1."""
     name = layout_of(dataset).quantities["force"].variable
     force = Curve(_values(dataset, name), "lateral force", FORCE)
@@ -92,7 +93,7 @@ def plot_lateral_force(dataset: xr.Dataset) -> Figure:
 
 
 @mpl.rc_context(STYLE)
-def plot_displacement(dataset: xr.Dataset) -> Figure:
+def plot_displacement(dataset: Responses) -> Figure:
     """Leading axle's lateral displacement from the rails against time, as report Figure 6-2."""
     name = layout_of(dataset).quantities["displacement"].variable
     gap = Curve(_values(dataset, name), "displacement", DISPLACEMENT, RED)
@@ -101,7 +102,7 @@ def plot_displacement(dataset: xr.Dataset) -> Figure:
 
 
 @mpl.rc_context(STYLE)
-def plot_track(dataset: xr.Dataset) -> Figure:
+def plot_track(dataset: Responses) -> Figure:
     """Irregularities under the leading axle against the distance run, without the empty ones."""
     layout = layout_of(dataset)
     rail = {side: _values(dataset, name) for side, name in layout.rails.items()}
@@ -122,7 +123,7 @@ def plot_track(dataset: xr.Dataset) -> Figure:
 
 
 @mpl.rc_context(STYLE)
-def plot_carbody(dataset: xr.Dataset) -> Figure:
+def plot_carbody(dataset: Responses) -> Figure:
     """Carbody's lateral, roll and yaw motion and its accelerations against time."""
     carbody = layout_of(dataset).carbody
     curves = [
@@ -139,7 +140,7 @@ def plot_carbody(dataset: xr.Dataset) -> Figure:
     return _panels(_values(dataset, "time"), "time [s]", curves, title)[0].figure
 
 
-PICTURES: dict[str, Callable[[xr.Dataset], Figure]] = {
+PICTURES: dict[str, Callable[[Responses], Figure]] = {
     "lateral_force.png": plot_lateral_force,
     "displacement.png": plot_displacement,
     "track.png": plot_track,
@@ -147,7 +148,7 @@ PICTURES: dict[str, Callable[[xr.Dataset], Figure]] = {
 }
 
 
-def write_pictures(dataset: xr.Dataset, folder: Path) -> list[Path]:
+def write_pictures(dataset: Responses, folder: Path) -> list[Path]:
     """Draw every picture of `PICTURES` whose variables the dataset has; returns the files."""
     written = []
     for name, plot in PICTURES.items():
@@ -161,7 +162,7 @@ def write_pictures(dataset: xr.Dataset, folder: Path) -> list[Path]:
     return written
 
 
-def _response(dataset: xr.Dataset, curve: Curve, title: str) -> Figure:
+def _response(dataset: Responses, curve: Curve, title: str) -> Figure:
     rms = float(np.sqrt(np.mean(curve.values**2)))
     peak = float(np.max(np.abs(curve.values)))
     said = (
@@ -229,11 +230,11 @@ def conversion(factor: float) -> tuple[Callable[[Any], Any], Callable[[Any], Any
     return (lambda value: value * factor), (lambda value: value / factor)
 
 
-def _values(dataset: xr.Dataset, name: str) -> np.ndarray:
+def _values(dataset: Responses, name: str) -> np.ndarray:
     return np.asarray(dataset[name].values, dtype=float)
 
 
-def _with_speed(title: str, dataset: xr.Dataset) -> str:
+def _with_speed(title: str, dataset: Responses) -> str:
     """The title with the mean speed, where the dataset knows it."""
     speed = mean_speed(dataset)
     if speed is None:

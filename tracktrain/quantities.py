@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
-import xarray as xr
 
-from orchestrator import choices, picked
+from orchestrator import Responses, choices, picked
 
 from .car.hopper import layout_of
 from .car.layout import Shown
@@ -34,7 +33,7 @@ MOST = 12
 
 
 def shown_quantities(
-    runs: Mapping[str, xr.Dataset], asked: Sequence[str] = (), only: bool = False
+    runs: Mapping[str, Responses], asked: Sequence[str] = (), only: bool = False
 ) -> list[Shown]:
     """The car's quantities that any run has, else their first signals; then those asked for.
 
@@ -59,10 +58,10 @@ def shown_quantities(
     return list(found.values())
 
 
-def _shown(name: str, runs: Mapping[str, xr.Dataset]) -> Shown:
+def _shown(name: str, runs: Mapping[str, Responses]) -> Shown:
     """A signal in a unit that suits its largest value."""
     present_in = [data[name] for data in runs.values() if name in data]
-    largest = max(float(np.abs(values).max()) for values in present_in)
+    largest = max(float(np.abs(response.values).max()) for response in present_in)
     unit, factor = shown_unit(str(present_in[0].attrs.get("units", "1")), largest)
     return Shown(name, name, Scale("" if unit == "1" else unit, factor))
 

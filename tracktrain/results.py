@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 
-from orchestrator import RESULTS_NAME, Run, open_results
+import orchestrator
+from orchestrator import RESULTS_NAME, Responses, Run
 
 from .car.hopper import layout_of
 from .errors import TracktrainError
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 BONDS = "bonds.csv"
+NAME, RELATIVE = "bond", "residual over passed"
+COLUMNS = (NAME, "passed [J]", "residual [J]", RELATIVE)
+
+Bond = dict[str, Any]
+"""A bond's name and numbers by `COLUMNS`."""
 
 
 def opened(folder: Path) -> xr.Dataset:
@@ -27,7 +36,7 @@ def opened(folder: Path) -> xr.Dataset:
             f"there is no {RESULTS_NAME} in '{folder}'; name the folder that "
             "`tracktrain run --out` wrote"
         )
-    return open_results(path, cache=False)
+    return orchestrator.open_results(path, cache=False)
 
 
 def dataset_of(given: xr.Dataset | Run | Path | str) -> xr.Dataset:
@@ -37,20 +46,28 @@ def dataset_of(given: xr.Dataset | Run | Path | str) -> xr.Dataset:
     return opened(Path(given)) if isinstance(given, Path | str) else given
 
 
-def mean_speed(dataset: xr.Dataset) -> float | None:
+def mean_speed(dataset: Responses) -> float | None:
     """Mean speed of the car in a run [m/s]; None where the run does not have it."""
     name = layout_of(dataset).speed
     return float(np.mean(dataset[name].values)) if name in dataset else None
 
 
-def bond_table(run: Run) -> pd.DataFrame:
-    """Energy through each bond of a run, and what its two sides saw differently [J]."""
-    rows = [(bond.name, bond.passed, bond.residual, bond.relative) for bond in run.bonds]
-    columns = ["bond", "passed [J]", "residual [J]", "residual over passed"]
-    return pd.DataFrame(rows, columns=columns).set_index("bond")
+def write_bonds(run: Run, folder: Path) -> None:
+    """Write energy through each bond of a run, and what its two sides saw differently [J]."""
+    with (folder / BONDS).open("w", newline="", encoding="utf-8") as stream:
+        table = csv.writer(stream, lineterminator="\n")
+        table.writerow(COLUMNS)
+        for bond in run.bonds:
+            table.writerow((bond.name, bond.passed, bond.residual, bond.relative))
 
 
-def read_bonds(folder: Path) -> pd.DataFrame | None:
-    """The bond table in a run's folder, if it is there."""
+def read_bonds(folder: Path) -> list[Bond] | None:
+    """The bonds in a run's folder as they were written, if they are there."""
     path = folder / BONDS
-    return pd.read_csv(path, index_col="bond") if path.is_file() else None
+    if not path.is_file():
+        return None
+    with path.open(newline="", encoding="utf-8") as stream:
+        return [
+            {name: text if name == NAME else float(text) for name, text in row.items()}
+            for row in csv.DictReader(stream)
+        ]

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    import xarray as xr
+from orchestrator import Responses
 
 BYTES = 2**25
 """Bytes of all columns of a chunk."""
 
 
 def chunks(
-    dataset: xr.Dataset, names: Collection[str], size: int | None = None
+    dataset: Responses, names: Collection[str], size: int | None = None
 ) -> Iterator[tuple[int, dict[str, NDArray[np.float64]]]]:
     """The values of these variables from the first row to the last, a chunk of rows at a time.
 
@@ -28,5 +26,5 @@ def chunks(
         yield 0, {name: np.asarray(dataset[name].values, float) for name in names}
         return
     for first in range(0, dataset.sizes["time"], rows):
-        part = {"time": slice(first, first + rows)}
-        yield first, {name: np.asarray(dataset[name].isel(part), float) for name in names}
+        part = slice(first, first + rows)
+        yield first, {name: np.asarray(dataset[name].isel(time=part), float) for name in names}

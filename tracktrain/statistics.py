@@ -4,25 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from math import hypot, isnan, nan
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from orchestrator import Estimate, frequency_of, peak_of, percentile_of, rms_of
-
-if TYPE_CHECKING:
-    import xarray as xr
+from orchestrator import Estimate, Response, frequency_of, peak_of, percentile_of, rms_of
 
 LEVEL = 0.95
 """Share of the time in which a response stays below its level."""
 
 
-def level_of(response: xr.DataArray) -> Estimate:
+def level_of(response: Response) -> Estimate:
     """The absolute value that is not exceeded for `LEVEL` of the time."""
     return percentile_of(abs(response), LEVEL)
 
 
-STATISTICS: Mapping[str, Callable[[xr.DataArray], Estimate]] = {
+STATISTICS: Mapping[str, Callable[[Response], Estimate]] = {
     "rms": rms_of,
     "peak": peak_of,
     f"{100 * LEVEL:.0f} %": level_of,
@@ -35,7 +31,7 @@ LEAST = 3
 UNKNOWN = Estimate(nan, nan, nan)
 
 
-def dominant(response: xr.DataArray) -> Estimate:
+def dominant(response: Response) -> Estimate:
     """The dominant frequency [Hz]; unknown for what is short or does not move."""
     moves = response.size > LEAST and bool(np.any(response.values != response.values[0]))
     return frequency_of(response) if moves else UNKNOWN

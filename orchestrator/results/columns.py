@@ -6,15 +6,14 @@ size is read whole, once, and one that is larger is read in blocks for some colu
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cached_property
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
-from xarray.backends import BackendArray
-from xarray.core import indexing
 
+from . import checksums
 from .classic import ClassicHeader
 
 WHOLE = 2**28
@@ -92,23 +91,14 @@ class Rows:
             yield place, rows.reshape(-1, self.width)
 
 
-class Column(BackendArray):
-    """A variable of the rows, as xarray takes one that is not in memory."""
+def content(
+    stream: BinaryIO,
+) -> tuple[Rows, Mapping[str, Mapping[str, Any]], dict[str, Any]]:
+    """The rows of an open results.nc, attributes of its variables in their order, and its own.
 
-    def __init__(self, rows: Rows, number: int) -> None:
-        self._rows, self._number = rows, number
-        self.shape, self.dtype = (rows.count,), np.dtype(np.float64)
-
-    def __getitem__(self, key: indexing.ExplicitIndexer) -> Array:
-        basic = indexing.IndexingSupport.BASIC
-        return indexing.explicit_indexing_adapter(key, self.shape, basic, self._taken)
-
-    def _taken(self, key: tuple[int | slice]) -> Array:
-        (place,) = key
-        if isinstance(place, slice):
-            start, stop, step = place.indices(self._rows.count)
-            if step > 0:
-                return self._rows.column(self._number, start, stop)[::step].copy()
-            return self._rows.column(self._number, 0, self._rows.count)[place].copy()
-        place = int(place) % max(self._rows.count, 1)
-        return np.asarray(self._rows.column(self._number, place, place + 1)[0])
+    The checksums are none of them. Raises HeaderError for a file of another kind.
+    """
+    header = ClassicHeader.read(stream)
+    variables = {name: said for name, said in header.variables.items() if name != checksums.NAME}
+    attributes = {name: said for name, said in header.attributes.items() if name != "coordinates"}
+    return Rows(stream, header), variables, attributes

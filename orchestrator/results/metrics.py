@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    import xarray as xr
+from .signals import Response
 
 
-def rms(response: xr.DataArray) -> float:
+def rms(response: Response) -> float:
     """Root mean square about zero [the response's unit]."""
     with np.errstate(over="ignore"):  # of what blew up
         return float(np.sqrt(np.mean(np.square(response.values))))
 
 
-def peak(response: xr.DataArray) -> float:
+def peak(response: Response) -> float:
     """Largest absolute value [the response's unit]."""
     return float(np.max(np.abs(response.values)))
 
@@ -38,7 +36,7 @@ def _hann(size: int) -> NDArray[np.float64]:
     return np.hanning(size)
 
 
-def dominant_frequency(response: xr.DataArray) -> float:
+def dominant_frequency(response: Response) -> float:
     """Frequency [Hz] of the highest spectral peak; NaN where nothing moves.
 
     The mean is taken off and a Hann window put on; between the lines of the spectrum the peak is

@@ -27,6 +27,8 @@ from .sink import Header
 
 RESULTS_NAME = NAME = "results.nc"
 
+TIME = {"units": "s", "description": "simulated time"}
+
 RUN = "run"
 """Attribute with a name that no other run has."""
 
@@ -215,7 +217,7 @@ def _header(header: Header) -> ClassicHeader:
                 "record"
             )
     variables = {
-        "time": {"units": "s", "description": "simulated time"},
+        "time": TIME,
         **{name: described(variable) for name, variable in header.variables},
         checksums.NAME: {"units": "1", "description": checksums.DESCRIPTION},
     }

@@ -8,13 +8,11 @@ from dataclasses import asdict, dataclass
 from functools import cache, cached_property
 from importlib.metadata import PackageNotFoundError, version
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..fmu.description import Limit
 from ..plan.plan import Plan, start_values
-
-if TYPE_CHECKING:
-    import xarray as xr
+from .signals import Responses
 
 PACKAGES = ("tracktrain", "fmpy", "numpy")
 """Those whose versions are written down."""
@@ -57,7 +55,7 @@ class Provenance:
     attributes: Mapping[str, Any]
 
     @classmethod
-    def of(cls, dataset: xr.Dataset) -> Provenance:
+    def of(cls, dataset: Responses) -> Provenance:
         """What a dataset says of itself."""
         return cls(dataset.attrs)
 

@@ -1,25 +1,24 @@
-"""results.nc read back: what was damaged since it was written is found, and named."""
+"""results.nc read back as a dataset."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 import pandas as pd
 import xarray as xr
+from numpy.typing import NDArray
+from xarray.backends import BackendArray
 from xarray.core import indexing
 
-from ..errors import DamageError, ResultsError
-from . import checksums
-from .classic import ClassicHeader, HeaderError, has_seal
-from .columns import Column, Rows
-from .netcdf import NAME, RUN, STOPPED, UNFINISHED
-
-_BLOCK = 2**20  # bytes
-
-ADVICE = "take a copy that is whole, or run it again"
+from ..errors import ResultsError
+from .checking import check_rows
+from .classic import HeaderError
+from .columns import Rows, content
+from .netcdf import NAME, TIME
 
 
 def open_results(place: Path | str, *, cache: bool = True) -> xr.Dataset:
@@ -47,112 +46,51 @@ def opened(path: Path, *, cache: bool = True) -> xr.Dataset:
 
 
 def _own(path: Path, stream: BinaryIO, cache: bool) -> xr.Dataset:
-    header = ClassicHeader.read(stream)
-    rows = Rows(stream, header)
+    rows, columns, attributes = content(stream)
     variables = {}
-    for number, (name, said) in enumerate(header.variables.items()):
+    for number, (name, said) in enumerate(columns.items()):
         data = indexing.LazilyIndexedArray(Column(rows, number))
         kept = indexing.MemoryCachedArray(data) if cache else data
         variables[name] = xr.Variable(("time",), kept, said)
-    variables.pop(checksums.NAME, None)
     time = variables.pop("time")
     # An index of its own kind: of an array xarray asks every array package that is installed.
     time = xr.Variable(("time",), pd.Index(time.values), time.attrs)
-    attributes = {name: text for name, text in header.attributes.items() if name != "coordinates"}
     dataset = xr.Dataset(variables, {"time": time}, attributes)
     dataset.set_close(stream.close)
     dataset.encoding["source"] = str(path)
     return dataset
 
 
-def run_of(path: Path) -> str | None:
-    """The name of the run that wrote a file; None where there is none, or none is told."""
-    try:
-        with path.open("rb") as stream:
-            return ClassicHeader.read(stream).attributes.get(RUN)
-    except (OSError, HeaderError):
-        return None
+def gathered(
+    time: NDArray[np.float64],
+    values: Mapping[str, NDArray[np.float64]],
+    said: Mapping[str, Mapping[str, Any]],
+    attributes: Mapping[str, Any],
+) -> xr.Dataset:
+    """A dataset of values in memory, by name; said: attributes of each."""
+    variables = {
+        name: xr.Variable(("time",), column, said[name]) for name, column in values.items()
+    }
+    return xr.Dataset(variables, {"time": xr.Variable(("time",), time, TIME)}, attributes)
 
 
-def check_rows(path: Path, rows: int | None = None, advice: str = ADVICE) -> None:
-    """Raise DamageError naming the rows, all or the first ones, that are not as they were written.
+class Column(BackendArray):
+    """A variable of the rows, as xarray takes one that is not in memory."""
 
-    advice: what to do about it. Raises ResultsError for a file that cannot be opened.
-    """
-    try:
-        with path.open("rb") as stream:
-            header = _header(path, stream, advice)
-            if header is not None:
-                _check(path, stream, header, rows, advice)
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise ResultsError(f"'{path}' cannot be read: {reason}") from None
+    def __init__(self, rows: Rows, number: int) -> None:
+        self._rows, self._number = rows, number
+        self.shape, self.dtype = (rows.count,), np.dtype(np.float64)
 
+    def __getitem__(self, key: indexing.ExplicitIndexer) -> NDArray[np.float64]:
+        basic = indexing.IndexingSupport.BASIC
+        return indexing.explicit_indexing_adapter(key, self.shape, basic, self._taken)
 
-def _header(path: Path, stream: BinaryIO, advice: str) -> ClassicHeader | None:
-    """The header as it was written; None for a file of another program."""
-    try:
-        header = ClassicHeader.read(stream)
-    except HeaderError as error:
-        if has_seal(stream):
-            raise DamageError(f"'{path}' is damaged: {error}; {advice}") from None
-        return None
-    if path.stat().st_size < header.first_row:
-        raise DamageError(f"'{path}' was cut: it holds no row of {header.rows}; {advice}")
-    if header.sealed is None and RUN not in header.attributes:
-        return None
-    if not header.sealed:
-        raise DamageError(
-            f"'{path}' is damaged: its header (names, units, parameters) is not what the run "
-            f"wrote; {advice}"
-        )
-    return header
-
-
-def _check(
-    path: Path, stream: BinaryIO, header: ClassicHeader, rows: int | None, advice: str
-) -> None:
-    size = path.stat().st_size - header.first_row
-    there, over = divmod(max(size, 0), 8 * header.width)
-    wanted = header.rows if rows is None else rows
-    if there < wanted:
-        raise DamageError(
-            f"'{path}' was cut: it holds {there} rows of {wanted}, the last at "
-            f"t = {_time(header, there - 1):g} s; {advice}"
-        )
-    finished = header.attributes.get(STOPPED) != UNFINISHED
-    if rows is None and finished and (there > wanted or over):
-        raise DamageError(
-            f"'{path}' is damaged: it holds {there} rows, and its header counts {wanted}; {advice}"
-        )
-    if bad := _bad_rows(stream, header, wanted):
-        first, *others = bad
-        more = f" and {len(others)} more, to row {others[-1]}" if others else ""
-        verb = "are" if others else "is"
-        raise DamageError(
-            f"'{path}' is damaged: row {first} (t = {_time(header, first):g} s){more} {verb} not "
-            f"what the run wrote; {advice}"
-        )
-
-
-def _bad_rows(stream: BinaryIO, header: ClassicHeader, rows: int) -> list[int]:
-    """Numbers of the rows, from 0 on, whose checksum is another."""
-    stream.seek(header.first_row)
-    step = max(1, _BLOCK // (8 * header.width))
-    bad: list[int] = []
-    for first in range(0, rows, step):
-        count = min(step, rows - first)
-        found = np.frombuffer(stream.read(8 * header.width * count), ">f8")
-        table = found.reshape(count, header.width).astype(np.float64)
-        sums = checksums.checksums(table[:, :-1], first)
-        bad += [first + int(n) for n in np.flatnonzero(sums != table[:, -1])]
-    return bad
-
-
-def _time(header: ClassicHeader, row: int) -> float:
-    """When a row should be [s], whatever it says itself."""
-    said = header.attributes
-    start, step, every = (
-        said.get(name, n) for name, n in (("start", 0.0), ("step", 0.0), ("every", 1))
-    )
-    return float(start + max(row, 0) * every * step)
+    def _taken(self, key: tuple[int | slice]) -> NDArray[np.float64]:
+        (place,) = key
+        if isinstance(place, slice):
+            start, stop, step = place.indices(self._rows.count)
+            if step > 0:
+                return self._rows.column(self._number, start, stop)[::step].copy()
+            return self._rows.column(self._number, 0, self._rows.count)[place].copy()
+        place = int(place) % max(self._rows.count, 1)
+        return np.asarray(self._rows.column(self._number, place, place + 1)[0])

@@ -6,10 +6,9 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from ..fmu.description import Variable
@@ -20,11 +19,15 @@ from ..summary import Rows, Summarised
 from ..trust.findings import Evidence, Verdict
 from ..trust.verdict import judge
 from . import csv_table
+from .checking import run_of
 from .energy import BondResidual
 from .folder import owned
-from .netcdf import NAME, RUN, STOPPED, ResultsFile, described
-from .reading import opened, run_of
+from .netcdf import NAME, RUN, STOPPED, TIME, ResultsFile, described
+from .signals import Signals
 from .sink import Header, Sink
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 BLOCK = 4096
 """Rows that are written at a time."""
@@ -117,16 +120,38 @@ class Run(Summarised):
     @cached_property
     def dataset(self) -> xr.Dataset:
         """One variable for each "instance.variable" over `time` [s], with units and provenance."""
-        if self.path is not None and run_of(self.path) == self.attributes.get(RUN):
-            return opened(self.path)
-        # By variable, so that each is one piece of memory.
-        values = np.ascontiguousarray(self.record.T, np.float64)
-        variables = {
-            name: xr.Variable(("time",), values[n], described(variable))
-            for n, (name, variable) in enumerate(self.variables)
-        }
-        time = xr.Variable(("time",), self.time, {"units": "s", "description": "simulated time"})
-        return xr.Dataset(variables, {"time": time}, self.attributes)
+        from .reading import gathered, opened
+
+        if self._file is not None:
+            return opened(self._file)
+        values = dict(zip((name for name, _ in self.variables), self._columns, strict=True))
+        said = {name: described(variable) for name, variable in self.variables}
+        return gathered(self.time, values, said, self.attributes)
+
+    @cached_property
+    def signals(self) -> Signals:
+        """The same for what needs no more than values by name: it is there sooner."""
+        if self._file is not None:
+            return Signals.of_file(self._file)
+        columns = [self.time, *self._columns]
+        variables = {"time": TIME, **{name: described(v) for name, v in self.variables}}
+        return Signals.of_rows(
+            lambda number, first, last: columns[number][first:last],
+            len(self.time),
+            variables,
+            self.attributes,
+        )
+
+    @property
+    def _file(self) -> Path | None:
+        """The file that was written, where it is there and still of this run."""
+        known = self.path is not None and run_of(self.path) == self.attributes.get(RUN)
+        return self.path if known else None
+
+    @cached_property
+    def _columns(self) -> NDArray[np.float64]:
+        """Values by variable, each one piece of memory."""
+        return np.ascontiguousarray(self.record.T, np.float64)
 
     def write(self, folder: Path | str) -> Path:
         """Write results.nc into the folder, and texts.csv if there are any; raises ResultsError."""

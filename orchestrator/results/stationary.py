@@ -9,17 +9,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 from math import inf, log, nan, pi, sqrt
-from typing import TYPE_CHECKING
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .metrics import dominant_frequency, peak, rms
 from .quantiles import normal, student
+from .signals import Response, Responses
 
-if TYPE_CHECKING:
-    import xarray as xr
-
+R = TypeVar("R", bound=Responses)
 Array = NDArray[np.float64]
 
 BATCHES = 10
@@ -132,7 +131,7 @@ def effective_samples(values: Array) -> float:
     return float(min(values.size / max(autocorrelation_time(values), 1.0), values.size))
 
 
-def rms_of(response: xr.DataArray) -> Estimate:
+def rms_of(response: Response) -> Estimate:
     """Root mean square about zero, by batch means of the square."""
     square = _square(response.values)
     if not _enough(square):
@@ -141,7 +140,7 @@ def rms_of(response: xr.DataArray) -> Estimate:
     return Estimate(*(sqrt(max(x, 0.0)) for x in (mean.value, mean.low, mean.high)))
 
 
-def peak_of(response: xr.DataArray) -> Estimate:
+def peak_of(response: Response) -> Estimate:
     """Largest absolute value, and where that of another run of the same length is expected.
 
     Gumbel's distribution of largest values, by its moments, from the peaks of batches; that of
@@ -159,7 +158,7 @@ def peak_of(response: xr.DataArray) -> Estimate:
     return Estimate(highest, min(low, highest), max(high, highest))
 
 
-def frequency_of(response: xr.DataArray) -> Estimate:
+def frequency_of(response: Response) -> Estimate:
     """Frequency [Hz] of the highest spectral peak, and how far it scatters from batch to batch.
 
     The highest line of a spectrum does not become more certain with a longer run, as a mean would;
@@ -177,7 +176,7 @@ def frequency_of(response: xr.DataArray) -> Estimate:
     return Estimate(value, max(value - half, 0.0), value + half)
 
 
-def percentile_of(response: xr.DataArray, share: float) -> Estimate:
+def percentile_of(response: Response, share: float) -> Estimate:
     """The value that a share (0 to 1) of the samples does not exceed.
 
     The interval is that of order statistics, with the effective samples of "does not exceed it".
@@ -194,7 +193,7 @@ def percentile_of(response: xr.DataArray, share: float) -> Estimate:
     return Estimate(value, low, high)
 
 
-def settling(response: xr.DataArray) -> Settling:
+def settling(response: Response) -> Settling:
     """Whether statistics of a response mean something, and what they need.
 
     A trend is that of the logarithm of the batches' rms over time, where Student's test of the
@@ -224,13 +223,15 @@ def settling(response: xr.DataArray) -> Settling:
     return Settling(state, growth, rate, transient, effective, needed)
 
 
-def from_time(dataset: xr.Dataset, start: float) -> xr.Dataset:
+def from_time(dataset: R, start: float) -> R:
     """What a run has from a time [s] on; raises ValueError where this leaves next to nothing."""
-    first, last = float(dataset["time"][0]), float(dataset["time"][-1])
-    left = dataset.sel(time=slice(start, None))
-    if left.sizes["time"] < 2:
-        raise ValueError(f"statistics from {start:g} s: the run lasts from {first:g} to {last:g} s")
-    return left
+    time = dataset["time"].values
+    row = int(np.searchsorted(time, start))
+    if len(time) - row < 2:
+        raise ValueError(
+            f"statistics from {start:g} s: the run lasts from {time[0]:g} to {time[-1]:g} s"
+        )
+    return dataset.isel(time=slice(row, None))
 
 
 def _trend(square: Array, duration: float) -> tuple[float, bool]:

@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from ..errors import CheckpointError
 from ..masters.base import Master, Prepared
 from ..plan.plan import Plan
+from ..results.checking import check_rows
 from ..results.netcdf import ResultsFile
-from ..results.reading import check_rows
 from ..results.recording import Recording
 from ..slaves.base import Slave
 from ..system.encoding import decode, encode

@@ -11,7 +11,7 @@ from ..errors import OrchestratorError, ResultsError
 from ..fmu.read import describe
 from ..masters.base import Master
 from ..results.provenance import Provenance
-from ..results.reading import open_results
+from ..results.signals import open_signals
 from ..system.encoding import decode, encode
 from ..system.system import Component, System
 from .context import Context
@@ -44,8 +44,8 @@ def read_request(place: Path | str, folders: Sequence[Path] = ()) -> Request:
 
     folders: where FMUs may be that are no longer where they were. Raises ResultsError.
     """
-    with open_results(place) as dataset:
-        text, known = dataset.attrs.get(REQUEST), Provenance.of(dataset).fmus
+    found = open_signals(place)
+    text, known = found.attrs.get(REQUEST), Provenance.of(found).fmus
     if text is None:
         raise ResultsError(
             f"'{place}' does not say what was asked for: a model in Python was part of it, or it "

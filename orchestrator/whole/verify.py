@@ -21,9 +21,9 @@ from ..errors import OrchestratorError, ResultsError
 from ..fmu.given import in_unit
 from ..masters.base import Master
 from ..plan.plan import make_plan
+from ..results.checking import run_of
 from ..results.folder import owned
 from ..results.netcdf import RUN, VERDICT, ResultsFile
-from ..results.reading import run_of
 from ..results.run import Run
 from ..run.log import Logger
 from ..run.settings import Settings, chosen

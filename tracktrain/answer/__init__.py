@@ -9,9 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import ceil
 
-import xarray as xr
-
-from orchestrator import Level, Settling, State, Verdict, from_time, settling
+from orchestrator import Level, Responses, Settling, State, Verdict, from_time, settling
 
 from ..car.hopper import layout_of
 from ..car.validity import Range, range_of
@@ -36,7 +34,7 @@ class Part:
 
 
 def parts(
-    dataset: xr.Dataset, verdict: Verdict | None = None, whole: xr.Dataset | None = None
+    dataset: Responses, verdict: Verdict | None = None, whole: Responses | None = None
 ) -> list[Part]:
     """The verdict on a run in parts, the worst first; the coupling's where it is given.
 
@@ -57,7 +55,7 @@ def parts(
     return sorted(found, key=lambda part: ORDER.index(part.level))
 
 
-def moving(dataset: xr.Dataset) -> dict[str, Settling]:
+def moving(dataset: Responses) -> dict[str, Settling]:
     """How what is printed of a run settles, by its label; of another system its first outputs."""
     shown = [s for s in layout_of(dataset).quantities.values() if s.variable in dataset]
     named = {s.label: s.variable for s in shown} or {
@@ -66,7 +64,7 @@ def moving(dataset: xr.Dataset) -> dict[str, Settling]:
     return {label: settling(dataset[variable]) for label, variable in named.items()}
 
 
-def counted(dataset: xr.Dataset, start: float | None, settle: bool) -> xr.Dataset:
+def counted(dataset: Responses, start: float | None, settle: bool) -> Responses:
     """The rows of a run that its statistics count.
 
     start: their first time [s]. settle: leave out the transient, found by MSER-5. Raises ValueError
@@ -82,11 +80,11 @@ def counted(dataset: xr.Dataset, start: float | None, settle: bool) -> xr.Datase
     return from_time(dataset, counted_from)
 
 
-def _is_car(dataset: xr.Dataset) -> bool:
+def _is_car(dataset: Responses) -> bool:
     return any(shown.variable in dataset for shown in layout_of(dataset).quantities.values())
 
 
-def _answer(dataset: xr.Dataset) -> Part:
+def _answer(dataset: Responses) -> Part:
     found, stands = moving(dataset), standing(dataset)
     level, text = _settled(found, stands)
     if not _is_car(dataset):

@@ -7,10 +7,8 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-import xarray as xr
-
 from fmus.catalogue import parameters
-from orchestrator import Level, Provenance
+from orchestrator import Level, Provenance, Responses
 
 from ..car.hopper import CARS, layout_of
 from ..results import mean_speed
@@ -29,7 +27,7 @@ def bands() -> dict[str, dict[str, Any]]:
     return tomllib.loads(files(__package__).joinpath("bands.toml").read_text("utf-8"))
 
 
-def of_numbers(dataset: xr.Dataset) -> tuple[Level, str]:
+def of_numbers(dataset: Responses) -> tuple[Level, str]:
     """How far the numbers of a run's car carry: level and text."""
     nearest = _nearest(dataset)
     if nearest is None:
@@ -51,7 +49,7 @@ def of_numbers(dataset: xr.Dataset) -> tuple[Level, str]:
     return Level.DOUBTFUL, f"{text}; {TODO}."
 
 
-def _nearest(dataset: xr.Dataset) -> tuple[str, int] | None:
+def _nearest(dataset: Responses) -> tuple[str, int] | None:
     """The car whose numbers a run has, and how many of them are others; None where none is near."""
     layout = layout_of(dataset)
     said = Provenance.of(dataset).parameters

@@ -11,11 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from fmus.carbody.modal_files import read_modal_data
 from fmus.catalogue import parameter_units
-from orchestrator import Provenance
+from orchestrator import Provenance, Responses
 
 from ..car.carbody import carbody_of, known_fmu
 from ..car.hopper import layout_of
@@ -72,7 +71,7 @@ class Standing:
         return said + unknown
 
 
-def linear_of(dataset: xr.Dataset) -> tuple[LinearMotion, tuple[str, ...]] | None:
+def linear_of(dataset: Responses) -> tuple[LinearMotion, tuple[str, ...]] | None:
     """The linear car of a run, and what it does not know of it.
 
     None where the run does not have the parameters of the blocks, or the carbody's FMU is lost.
@@ -104,7 +103,7 @@ def _made(layout: Layout, given: str, body: Path | None) -> LinearFmus:
     return LinearFmus(layout, {**values, layout.carbody: {}}, (data, body))
 
 
-def standing(dataset: xr.Dataset) -> Standing | None:
+def standing(dataset: Responses) -> Standing | None:
     """Where a run stands; None where its linear car is not known."""
     speed = mean_speed(dataset)
     if speed is None or speed <= 0.0:
@@ -125,13 +124,13 @@ def standing(dataset: xr.Dataset) -> Standing | None:
     )
 
 
-def given_parameters(dataset: xr.Dataset, instance: str) -> Mapping[str, float]:
+def given_parameters(dataset: Responses, instance: str) -> Mapping[str, float]:
     """The numbers that a run gave an instance [SI]."""
     given = _given(dataset, instance).items()
     return {name: value for name, value in given if isinstance(value, (int, float))}
 
 
-def _given(dataset: xr.Dataset, instance: str) -> dict[str, Any]:
+def _given(dataset: Responses, instance: str) -> dict[str, Any]:
     return {
         name.removeprefix(f"{instance}."): value
         for name, value in Provenance.of(dataset).parameters.items()
@@ -139,7 +138,7 @@ def _given(dataset: xr.Dataset, instance: str) -> dict[str, Any]:
     }
 
 
-def _swapped(dataset: xr.Dataset, layout: Layout) -> tuple[str, ...]:
+def _swapped(dataset: Responses, layout: Layout) -> tuple[str, ...]:
     """Instances whose FMU is another than that of most of their block."""
     fmus = Provenance.of(dataset).fmus
     found = []

@@ -5,7 +5,6 @@ from __future__ import annotations
 import shutil
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import platformdirs
 
@@ -14,13 +13,10 @@ from fmus.carbody.modal_files import read_modal_data, write_modal_data
 from fmus.carbody.residual import with_residual_modes
 from fmus.describe.parameters import parameter_set
 from fmus.errors import ParameterError
-from orchestrator import Provenance, System, describe
+from orchestrator import Provenance, Responses, System, describe
 
 from .changes import swapped
 from .hopper import layout_of, vehicle
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 GRAVITY = 9.80665
 """[m/s2]"""
@@ -76,13 +72,13 @@ def _built(data: ModalData) -> Path:
     return carbody_fmu(data)
 
 
-def known_fmu(dataset: xr.Dataset) -> Path | None:
+def known_fmu(dataset: Responses) -> Path | None:
     """The FMU of a run's carbody, where it is made of modal data and was kept."""
     path = _kept(dataset).with_suffix(".fmu")
     return path if path.exists() else None
 
 
-def carbody_of(dataset: xr.Dataset) -> ModalData | None:
+def carbody_of(dataset: Responses) -> ModalData | None:
     """Modal data of a run's carbody; None for the default one, or where they are not known here."""
     path = _kept(dataset).with_suffix(".toml")
     try:
@@ -91,7 +87,7 @@ def carbody_of(dataset: xr.Dataset) -> ModalData | None:
         return None
 
 
-def _kept(dataset: xr.Dataset) -> Path:
+def _kept(dataset: Responses) -> Path:
     """Where its carbody is kept, without the suffix."""
     given = Provenance.of(dataset).fmus.get(layout_of(dataset).carbody, {})
     return KNOWN / str(given.get("sha256", "none"))

@@ -13,7 +13,7 @@ from ..errors import HopperError, choices
 from .layout import Layout, Truck
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from orchestrator import Responses
 
 TRACKS = (
     "report",
@@ -104,7 +104,7 @@ def instances() -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for car in CARS.values() for name in car.layout.blocks))
 
 
-def layout_of(subject: System | xr.Dataset) -> Layout:
+def layout_of(subject: System | Responses) -> Layout:
     """The layout of the car in a system, or in the results of a run.
 
     It is a layout of `CARS` whose names the instances have, also with a prefix before each. Else

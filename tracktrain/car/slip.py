@@ -7,17 +7,13 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from orchestrator import Provenance
+from orchestrator import Provenance, Responses
 
 from ..rows import chunks
 from .hopper import layout_of
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 FRICTION = re.compile(r"friction\[\d+\]")
 ELEMENT = re.compile(r"element \d+, (.+)")
@@ -44,7 +40,7 @@ class Slip:
     moved: bool
 
 
-def slips(dataset: xr.Dataset) -> list[Slip]:
+def slips(dataset: Responses) -> list[Slip]:
     """The friction elements of a run's trucks whose limit is known and constant."""
     given = Provenance.of(dataset).parameters
     limits: dict[str, tuple[str, str, float]] = {}
@@ -80,7 +76,7 @@ def slips(dataset: xr.Dataset) -> list[Slip]:
     ]
 
 
-def remarks(dataset: xr.Dataset) -> list[str]:
+def remarks(dataset: Responses) -> list[str]:
     """Sentences on friction that is never or always at its limit."""
     found = slips(dataset)
     said = {

@@ -7,18 +7,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf, isfinite, pi
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator import Limit, Provenance
+from orchestrator import Limit, Provenance, Responses
 
 from ..rows import chunks
 from .hopper import layout_of
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 SHOWN = {"rad": ("deg", 180.0 / pi), "m": ("mm", 1e3), "1": ("", 1.0)}
 """Units in which values are shown, and how many are one of the unit."""
@@ -125,7 +121,7 @@ def shown(value: float, unit: str) -> str:
     return f"{value * factor:.3g} {name}".strip()
 
 
-def range_of(dataset: xr.Dataset) -> Range:
+def range_of(dataset: Responses) -> Range:
     """Where a run stands within what its FMUs state; of a run of any system."""
     provenance = Provenance.of(dataset)
     stated = provenance.ranges
@@ -152,7 +148,7 @@ def range_of(dataset: xr.Dataset) -> Range:
     )
 
 
-def _departure(dataset: xr.Dataset, group: list[Watch]) -> Departure:
+def _departure(dataset: Responses, group: list[Watch]) -> Departure:
     first = min(group, key=lambda watch: watch.first)
     worst = max(group, key=lambda watch: watch.excess)
     distance, time = layout_of(dataset).distance, dataset["time"].values

@@ -10,7 +10,7 @@ import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from orchestrator import Estimate, dominant_frequency, peak, rms
+from orchestrator import Estimate, Response, Responses, dominant_frequency, peak, rms
 
 from ..car.hopper import layout_of
 from ..scales import Scale, three_digits
@@ -18,7 +18,6 @@ from ..statistics import STATISTICS, dominant, uncertainty
 from ..terminal import print_whole
 
 if TYPE_CHECKING:
-    import xarray as xr
     from rich.console import Console
 
     from orchestrator import Run
@@ -36,7 +35,7 @@ MOST = 12
 """Rows of a system that has none of these."""
 
 
-def print_summary(console: Console, run: Run, counted: xr.Dataset) -> None:
+def print_summary(console: Console, run: Run, counted: Responses) -> None:
     """Statistics of the variables of `GROUPS` that the run has, then how well the run went.
 
     counted: the rows of the run that the statistics count.
@@ -48,7 +47,7 @@ def print_summary(console: Console, run: Run, counted: xr.Dataset) -> None:
     print_whole(console, _quality(run))
 
 
-def numbers(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
+def numbers(dataset: Responses) -> dict[str, dict[str, Any]]:
     """The statistics of the table by variable, each with its interval, in the variable's unit."""
     shown = (
         row[0] for rows in (_known(dataset) or _first(dataset)).values() for row in rows.values()
@@ -63,7 +62,7 @@ def numbers(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
     }
 
 
-def _responses(dataset: xr.Dataset, chosen: Sequence[str]) -> Table:
+def _responses(dataset: Responses, chosen: Sequence[str]) -> Table:
     """chosen: of `STATISTICS`, with intervals; else rms and peak without."""
     headings = [h for name in chosen for h in (name, "±")] or ["rms", "peak"]
     table = Table(
@@ -86,7 +85,7 @@ def _responses(dataset: xr.Dataset, chosen: Sequence[str]) -> Table:
     return table
 
 
-def _known(dataset: xr.Dataset) -> Mapping[str, Mapping[str, tuple[str, Scale]]]:
+def _known(dataset: Responses) -> Mapping[str, Mapping[str, tuple[str, Scale]]]:
     """What `GROUPS` names and the dataset has."""
     quantities = layout_of(dataset).quantities
     present = {
@@ -100,14 +99,14 @@ def _known(dataset: xr.Dataset) -> Mapping[str, Mapping[str, tuple[str, Scale]]]
     return {group: rows for group, rows in present.items() if rows}
 
 
-def _first(dataset: xr.Dataset) -> Mapping[str, Mapping[str, tuple[str, Scale]]]:
+def _first(dataset: Responses) -> Mapping[str, Mapping[str, tuple[str, Scale]]]:
     """Rows for a system that is no hopper car: its first variables, in their own units."""
     names = [str(name) for name in dataset.data_vars][:MOST]
     group = "outputs" if len(names) == len(dataset.data_vars) else f"first {MOST} outputs"
     return {group: {name: (name, Scale(str(dataset[name].attrs["units"]), 1.0)) for name in names}}
 
 
-def _statistics(values: xr.DataArray, scale: Scale, chosen: Sequence[str]) -> list[str]:
+def _statistics(values: Response, scale: Scale, chosen: Sequence[str]) -> list[str]:
     moves = values.size > 2 and bool(np.any(values.values != values.values[0]))
     width = 2 * (len(chosen) + 1) if chosen else 3
     if not moves and not np.any(values.values):

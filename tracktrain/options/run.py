@@ -17,9 +17,7 @@ from .fields import SETTINGS, Option, adding, field_option
 from .types import Name, Quantity
 
 if TYPE_CHECKING:
-    import xarray as xr
-
-    from orchestrator import Log, System
+    from orchestrator import Log, Responses, System
 
 RESUMED = (
     "resume",
@@ -140,7 +138,7 @@ class Counting:
     statistics_from: float | None
     settle: bool
 
-    def counted(self, dataset: xr.Dataset) -> xr.Dataset:
+    def counted(self, dataset: Responses) -> Responses:
         """Those rows; raises ValueError where next to nothing is left."""
         from ..answer import counted
 

@@ -6,11 +6,10 @@ write_report(run.dataset, Path("results"))
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
 import xarray as xr
 
 from orchestrator import Provenance, Run
@@ -20,7 +19,7 @@ from ..assessment import assess
 from ..car import slip
 from ..errors import TracktrainError
 from ..events import nadal_rule
-from ..results import dataset_of
+from ..results import Bond, dataset_of
 from . import content, motion, series
 from .packing import packed
 from .rendering import rendered
@@ -31,11 +30,11 @@ SCRIPTS = ("data.js", "scene.js", "player.js", "chart.js", "plots.js", "page.js"
 
 
 def write_report(
-    run: xr.Dataset | Run | Path | str, folder: Path | str, bonds: pd.DataFrame | None = None
+    run: xr.Dataset | Run | Path | str, folder: Path | str, bonds: Sequence[Bond] | None = None
 ) -> Path:
     """Write report.html into a folder and return it.
 
-    run: it, its dataset, or the folder that it wrote. bonds: as `tracktrain.results.bond_table`
+    run: it, its dataset, or the folder that it wrote. bonds: as `tracktrain.results.read_bonds`
     gives it. Raises TracktrainError for a run without two rows.
     """
     path = Path(folder) / NAME
@@ -43,7 +42,7 @@ def write_report(
     return path
 
 
-def page(dataset: xr.Dataset, bonds: pd.DataFrame | None = None) -> str:
+def page(dataset: xr.Dataset, bonds: Sequence[Bond] | None = None) -> str:
     """The text of the page."""
     if dataset.sizes.get("time", 0) < 2 or not dataset.data_vars:
         raise TracktrainError("the run has no two rows of any signal; there is nothing to report")
@@ -64,7 +63,7 @@ def page(dataset: xr.Dataset, bonds: pd.DataFrame | None = None) -> str:
         nadal=nadal_rule(),
         versions=provenance.versions,
         assessment=table.reset_index().to_dict("records"),
-        bonds=None if bonds is None else bonds.reset_index().to_dict("records"),
+        bonds=bonds,
         rows=dataset.sizes["time"],
         width=width,
         index=index,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +17,7 @@ from orchestrator import Provenance
 from ..assessment import EXCEEDED, PASSED
 from ..car.hopper import layout_of
 from ..events import Event, events, gravest
-from ..results import mean_speed
+from ..results import RELATIVE, Bond, mean_speed
 from ..scales import FOOT, MILE_PER_HOUR, three_digits
 
 
@@ -38,7 +39,7 @@ def title(dataset: xr.Dataset) -> str:
     return "Hopper car on irregular track" if _moves(dataset) else "Hopper car on perfect track"
 
 
-def facts(dataset: xr.Dataset, table: pd.DataFrame, bonds: pd.DataFrame | None) -> list[Fact]:
+def facts(dataset: xr.Dataset, table: pd.DataFrame, bonds: Sequence[Bond] | None) -> list[Fact]:
     """The numbers at the top."""
     time = dataset["time"].values
     found = []
@@ -60,8 +61,8 @@ def facts(dataset: xr.Dataset, table: pd.DataFrame, bonds: pd.DataFrame | None) 
         said = f"{over} exceeded" if over else f"all {len(judged)} kept"
         most = f"most used: {worst}, {judged['share'].max():.0%}"
         found.append(Fact("limits", said, most, "bad" if over else "good"))
-    if bonds is not None and len(bonds):
-        residual = f"{bonds['residual over passed'].max():.1e}"
+    if bonds:
+        residual = f"{max(bond[RELATIVE] for bond in bonds):.1e}"
         found.append(Fact("energy residual", residual, "of the energy that passed, at most"))
     return found
 

@@ -11,9 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    import xarray as xr
-
-    from orchestrator import Run, Session
+    from orchestrator import Responses, Run, Session
 
 Row = dict[str, Any]
 
@@ -79,7 +77,7 @@ def run_one(options: Mapping[str, Any], outputs: Sequence[str] | None, reuse: bo
 def _numbers(run: Run, outputs: Sequence[str]) -> Row:
     from orchestrator import dominant_frequency, peak, picked, rms
 
-    data = run.dataset
+    data = run.signals
     row: Row = {"units": {}}
     names = [str(name) for name in data.data_vars]
     wanted = {name for asked in outputs for name in picked(asked, names)}
@@ -98,5 +96,5 @@ def _numbers(run: Run, outputs: Sequence[str]) -> Row:
     return row
 
 
-def _largest(data: xr.Dataset, name: str) -> float:
+def _largest(data: Responses, name: str) -> float:
     return float(np.max(np.abs(data[name].values)))

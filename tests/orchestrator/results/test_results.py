@@ -10,6 +10,7 @@ import xarray as xr
 
 from orchestrator import Component, InlineModel, OrchestratorError, System, simulate
 from orchestrator.results.metrics import dominant_frequency, peak, rms
+from orchestrator.results.stationary import from_time, settling
 from support.coupled_models import damped_mass, oscillator
 
 
@@ -80,3 +81,22 @@ def test_metrics_of_a_sine_with_an_offset():
     assert peak(wave) == pytest.approx(3.2, rel=1e-3)
     assert rms(wave) == pytest.approx(np.hypot(0.2, 3 / np.sqrt(2)), rel=2e-2)
     assert np.isnan(dominant_frequency(response(np.ones(100))))
+
+
+@pytest.mark.parametrize("written", [True, False])
+def test_signals_have_what_the_dataset_has(tmp_path, written):
+    run = simulate(oscillator(), duration=0.5, step=0.01, out=tmp_path if written else None)
+    told, dataset = run.signals, run.dataset
+    assert list(told.data_vars) == list(dataset.data_vars)
+    assert (dict(told.sizes), set(told.variables)) == ({"time": 51}, set(dataset.variables))
+    assert dict(told.attrs) == dataset.attrs
+    for name in dataset:
+        assert np.array_equal(told[name].values, dataset[name].values)
+        assert dict(told[name].attrs) == dataset[name].attrs
+        assert settling(told[name]) == settling(dataset[name])
+    late, later = told.isel(time=slice(20, None)), abs(told["one.x"])[30:40]
+    assert np.array_equal(late["one.v"].values, dataset["one.v"].values[20:])
+    assert np.array_equal(later.values, np.abs(dataset["one.x"].values[30:40]))
+    assert np.array_equal(later["time"].values, run.time[30:40])
+    assert np.array_equal(from_time(told, 0.2)["time"].values, run.time[20:])
+    assert "nothing" not in told

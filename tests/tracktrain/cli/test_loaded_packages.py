@@ -11,7 +11,7 @@ HEAVY = ("numpy", "scipy", "pandas", "xarray", "matplotlib", "casadi", "numba", 
 
 UNUSED = (
     "casadi", "dask.array", "distributed", "markdown_it", "matplotlib.pyplot", "netCDF4", "numba",
-    "pint", "ziglang",
+    "pandas", "pint", "xarray", "ziglang",
 )  # fmt: skip
 """What a run with its verdict and its pictures does not take."""
 

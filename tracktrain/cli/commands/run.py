@@ -220,16 +220,15 @@ def _print_schema(ctx: click.Context) -> None:
 def _write(result: Run, folder: Path, csv: bool, page: bool) -> list[str]:
     """Write what is made of results.nc, and say what could not be."""
     from ... import plots
-    from ...results import BONDS, bond_table, opened
+    from ...results import opened, read_bonds, write_bonds
 
     try:
-        bonds = bond_table(result)
-        bonds.to_csv(folder / BONDS)
-        plots.write_pictures(result.dataset, folder)
+        write_bonds(result, folder)
+        plots.write_pictures(result.signals, folder)
         if page:
             from ...report import write_report
 
-            write_report(opened(folder), folder, bonds)
+            write_report(opened(folder), folder, read_bonds(folder))
         if csv:
             result.write_csv(folder)
     except OSError as error:
@@ -268,11 +267,11 @@ def _judge(result: Run, counting: Counting, folder: Path, lost: list[str], form:
     from ..summary import numbers, print_summary
 
     try:
-        dataset = counting.counted(result.dataset)
+        dataset = counting.counted(result.signals)
     except ValueError as error:
-        dataset, lost = result.dataset, [*lost, f"{error}; all of it is counted"]
-    found, lost = events(result.dataset), [*lost, *slip.remarks(result.dataset)]
-    judged = parts(dataset, result.verdict, whole=result.dataset)
+        dataset, lost = result.signals, [*lost, f"{error}; all of it is counted"]
+    found, lost = events(result.signals), [*lost, *slip.remarks(result.signals)]
+    judged = parts(dataset, result.verdict, whole=result.signals)
     lost = [*lost, *_say(judged, folder)]
     write_events(found, folder)
     if form == JSON:
