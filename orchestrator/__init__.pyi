@@ -61,6 +61,7 @@ from .slaves.session import Session
 from .ssp.port_map import read_port_map
 from .ssp.reader import read_ssp
 from .ssp.writer import write_ssp
+from .system.diagram import diagram
 from .system.profile import Profile, read_profile
 from .system.system import Component, Connection, Experiment, PowerBond, System, Value
 from .system.transformation import Linear, Table
@@ -140,6 +141,7 @@ __all__ = [
     "conversion",
     "couple",
     "describe",
+    "diagram",
     "dominant_frequency",
     "fit",
     "frequency_of",

@@ -32,6 +32,10 @@ def provenance(
             name: {"file": d.label, "sha256": d.sha256}
             for name, d in zip(plan.names, plan.descriptions, strict=True)
         },
+        "connections": [
+            (plan.name(k.source, k.output), plan.name(k.target, k.input))
+            for k in (*plan.links, *plan.text_links)
+        ],
         "ranges": {
             name: [_stated(limit) for limit in d.limits]
             for name, d in zip(plan.names, plan.descriptions, strict=True)
@@ -68,6 +72,11 @@ class Provenance:
     def fmus(self) -> dict[str, dict[str, str]]:
         """File and SHA-256 by instance."""
         return self.read("fmus", {})
+
+    @property
+    def connections(self) -> list[tuple[str, str]]:
+        """What drives what, each by "instance.variable"."""
+        return [(source, target) for source, target in self.read("connections", [])]
 
     @cached_property
     def ranges(self) -> dict[str, list[Limit]]:

@@ -21,6 +21,9 @@ MOST = 80
 
 Place = tuple[float, float]
 
+APART, MARGIN = 2.0, (1.1, 0.55)
+"""Distance of two that are connected, and room beside and above the outermost [in]."""
+
 ROUNDS = 300
 BOX = {"boxstyle": "round,pad=0.5", "facecolor": "#eef3f6", "edgecolor": "#44617b"}
 
@@ -36,11 +39,13 @@ def diagram(boxes: Mapping[str, str], connections: Iterable[tuple[str, str]]) ->
             f"a diagram of {len(names)} components cannot be read; there may be 1 to {MOST}"
         )
     ways = Counter((s.partition(".")[0], t.partition(".")[0]) for s, t in connections)
-    found = ((float(x), float(y)) for x, y in _places(names, ways))
-    places = dict(zip(names, found, strict=True))
-    size = 2.4 + 1.3 * len(names) ** 0.5
-    figure = Figure(figsize=(1.6 * size, size), layout="constrained")
-    axes = figure.add_subplot()
+    placed = _turned(_places(names, ways))
+    places = {name: (float(x), float(y)) for name, (x, y) in zip(names, placed, strict=True)}
+    margin, room = np.array(MARGIN) / APART, np.ptp(placed, axis=0)
+    figure = Figure(figsize=tuple(APART * (room + 2 * margin)))
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    low, high = placed.min(axis=0) - margin, placed.max(axis=0) + margin
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     for (source, target), count in ways.items():
         if source in places and target in places and source != target:
             _draw_way(axes, places[source], places[target], count)
@@ -49,7 +54,6 @@ def diagram(boxes: Mapping[str, str], connections: Iterable[tuple[str, str]]) ->
             f"{name}\n{label}", places[name], ha="center", va="center", bbox=BOX,
             fontsize=9, linespacing=1.5,
         )  # fmt: skip
-    axes.margins(0.25)
     axes.set_axis_off()
     return figure
 
@@ -70,7 +74,13 @@ def _draw_way(axes: Axes, start: Place, end: Place, count: int) -> None:
     (x0, y0), (x1, y1) = start, end
     place = ((x0 + x1) / 2 + 0.08 * (y1 - y0), (y0 + y1) / 2 - 0.08 * (x1 - x0))
     axes.annotate(str(count), place, ha="center", va="center", fontsize=8, color="#44617b")
-    axes.update_datalim([start, end])
+
+
+def _turned(places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Places about their middle, turned so that they reach farthest from left to right."""
+    apart = places - places.mean(axis=0)
+    _, _, axes = np.linalg.svd(apart, full_matrices=True)
+    return np.asarray(apart @ axes.T)
 
 
 def _places(names: list[str], ways: Counter[tuple[str, str]]) -> NDArray[np.float64]:

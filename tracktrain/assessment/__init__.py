@@ -15,15 +15,21 @@ from orchestrator import Run
 from ..results import dataset_of
 from .car import Car
 from .criteria import LIMITS, MEASURES
-from .rules import NotApplicableError, Rule, from_si, rules
+from .rules import ForeignError, NotApplicableError, Rule, from_si, rules
 
 PASSED, EXCEEDED, NO_LIMIT = "passed", "exceeded", "no limit"
 NOT_EXCITED = "not excited"
+COLUMNS = (
+    *("quantity", "place", "value", "limit", "share", "result", "applies", "scope", "unit"),
+    *("statistic", "filter", "window", "formula", "source", "verified", "quote"),
+)
 NOTHING = {"place": "", "value": float("nan"), "limit": float("nan"), "share": float("nan")}
 
 
 def assess(run: xr.Dataset | Run | Path | str) -> pd.DataFrame:
-    """What each rule of limits.toml says about a run of the hopper car, indexed by quantity.
+    """What each rule of limits.toml says about a run, indexed by quantity.
+
+    Rules about what the run's system does not have are left out: all of them, where it is no car.
 
     run: it, its dataset, or the folder that it wrote.
     Columns: place (of the worst value), value, limit, unit, share (of the limit; of wheel loads
@@ -36,12 +42,16 @@ def assess(run: xr.Dataset | Run | Path | str) -> pd.DataFrame:
         car: Car | NotApplicableError = Car(dataset_of(run))
     except NotApplicableError as reason:
         car = reason
-    return pd.DataFrame([_row(car, rule) for rule in rules()]).set_index("quantity")
+    rows = [row for rule in rules() if (row := _row(car, rule)) is not None]
+    return pd.DataFrame(rows, columns=COLUMNS).set_index("quantity")
 
 
-def _row(car: Car | NotApplicableError, rule: Rule) -> dict[str, object]:
+def _row(car: Car | NotApplicableError, rule: Rule) -> dict[str, object] | None:
+    """None where the system has nothing that the rule is about."""
     try:
         found = _found(car, rule)
+    except ForeignError:
+        return None
     except NotApplicableError as reason:
         found = {**NOTHING, "result": f"not applicable: {reason}"}
     return {

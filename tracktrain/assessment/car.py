@@ -15,7 +15,7 @@ from orchestrator import Provenance, dominant_frequency
 from ..car.hopper import layout_of
 from ..car.layout import Axle, Truck
 from . import windows
-from .rules import Band, NotApplicableError, Rule, parameter
+from .rules import Band, ForeignError, NotApplicableError, Rule, parameter
 
 Array = NDArray[np.float64]
 SAMPLES_PER_CYCLE = 4
@@ -29,15 +29,23 @@ LONG_ENOUGH = 1 - 1e-9
 
 
 class Car:
-    """Signals of a run of the car; all of them raise NotApplicableError where the run lacks one."""
+    """Signals of a run of the car; all of them raise NotApplicableError where the run lacks one.
+
+    Where the system has no such instance, it is a ForeignError.
+    """
 
     def __init__(self, dataset: xr.Dataset) -> None:
         self._dataset, self.layout = dataset, layout_of(dataset)
+        said = Provenance.of(dataset)
+        outputs = {str(name).partition(".")[0] for name in dataset.data_vars}
+        self._instances = outputs | said.fmus.keys()
+        if not self._instances & self.layout.blocks.keys():
+            raise ForeignError("the system is no car")
         self.time = dataset["time"].values
         if len(self.time) < 2:
             raise NotApplicableError("the run has no more than one row")
         self.rate = (len(self.time) - 1) / float(self.time[-1] - self.time[0])
-        self._parameters = Provenance.of(dataset).parameters
+        self._parameters = said.parameters
         self._moved: list[bool] = []
 
     def __getitem__(self, name: str) -> Array:
@@ -55,14 +63,18 @@ class Car:
 
     def _read(self, name: str) -> Array:
         if name not in self._dataset:
-            raise NotApplicableError(f"the run has no {name}")
+            raise self._lacking(name)(f"the run has no {name}")
         return np.asarray(self._dataset[name].values, dtype=float)
 
     def parameter(self, name: str) -> float:
         """A parameter of an instance [SI]."""
         if name not in self._parameters:
-            raise NotApplicableError(f"the run does not say {name}")
+            raise self._lacking(name)(f"the run does not say {name}")
         return float(self._parameters[name])
+
+    def _lacking(self, name: str) -> type[NotApplicableError]:
+        known = name.partition(".")[0] in self._instances
+        return NotApplicableError if known else ForeignError
 
     @cached_property
     def distance(self) -> Array:

@@ -17,6 +17,10 @@ class NotApplicableError(Exception):
     """Why a rule says nothing about a run."""
 
 
+class ForeignError(NotApplicableError):
+    """A rule looks at what the run's system does not have."""
+
+
 @dataclass(frozen=True)
 class Band:
     """Frequencies that are kept [Hz]; `around`: that far from the dominant one."""

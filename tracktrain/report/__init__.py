@@ -20,7 +20,7 @@ from ..car import slip
 from ..errors import TracktrainError
 from ..events import nadal_rule
 from ..results import Bond, dataset_of
-from . import content, motion, series
+from . import content, motion, series, system
 from .packing import packed
 from .rendering import rendered
 
@@ -57,6 +57,7 @@ def page(dataset: xr.Dataset, bonds: Sequence[Bond] | None = None) -> str:
         facts=content.facts(dataset, table, bonds),
         parameters=content.parameters(dataset),
         fmus=content.fmus(dataset),
+        system=None if content.is_car(dataset) else system.made(dataset),
         notes=[*provenance.notes, *slip.remarks(dataset)],
         parts=parts(dataset),
         events=content.happened(dataset),
@@ -76,7 +77,7 @@ def _data(dataset: xr.Dataset) -> tuple[str, str, int]:
     said, arrays, width = series.signals(dataset)
     known: dict[str, Any] = {
         "signals": said,
-        "first": series.first(dataset),
+        "first": series.first(dataset) if content.is_car(dataset) else system.moving(dataset),
         "events": [
             {"kind": e.kind, "place": e.place, "from": e.time, "to": e.time + e.duration}
             for e in content.happened(dataset)

@@ -19,6 +19,7 @@ from ..car.hopper import layout_of
 from ..events import Event, events, gravest
 from ..results import RELATIVE, Bond, mean_speed
 from ..scales import FOOT, MILE_PER_HOUR, three_digits
+from .system import titled
 
 
 @dataclass(frozen=True)
@@ -33,16 +34,25 @@ class Fact:
 
 def title(dataset: xr.Dataset) -> str:
     """What was run, in a line."""
-    fmus = Provenance.of(dataset).fmus
-    if not layout_of(dataset).blocks.keys() <= fmus.keys():
-        return f"Run of {len(fmus)} FMUs"
+    if not is_car(dataset):
+        return titled(dataset)
     return "Hopper car on irregular track" if _moves(dataset) else "Hopper car on perfect track"
+
+
+def is_car(dataset: xr.Dataset) -> bool:
+    """Whether the run's system has all instances of a car."""
+    return layout_of(dataset).blocks.keys() <= Provenance.of(dataset).fmus.keys()
 
 
 def facts(dataset: xr.Dataset, table: pd.DataFrame, bonds: Sequence[Bond] | None) -> list[Fact]:
     """The numbers at the top."""
     time = dataset["time"].values
     found = []
+    if not is_car(dataset):
+        known = Provenance.of(dataset)
+        found.append(
+            Fact("system", f"{len(known.fmus)} FMUs", f"{len(known.connections)} connections")
+        )
     speed = mean_speed(dataset)
     if speed is not None:
         units = f"{speed / FOOT:.4g} ft/s, {speed / MILE_PER_HOUR:.3g} mph"

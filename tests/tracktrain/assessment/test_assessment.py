@@ -217,6 +217,16 @@ def test_rule_whose_signal_is_missing_says_which() -> None:
     )
 
 
+def test_rules_about_what_a_system_does_not_have_are_not_listed() -> None:
+    car = motion(4.0)
+    pumps = car.rename({name: f"pump.{n}" for n, name in enumerate(car.data_vars)})
+    assert len(assess(pumps)) == 0
+    names = [name for name in car.data_vars if str(name).startswith("carbody.")]
+    table = assess(car[names])
+    assert {"ride comfort, lateral, weighting W_d", "Sperling Wz, lateral"} <= {*table.index}
+    assert not any("L/V" in quantity or "axle" in quantity for quantity in table.index)
+
+
 def test_rows_too_far_apart_for_a_filter_are_not_assessed() -> None:
     table = assess(motion(20.0, ay=1.0).isel(time=slice(None, None, 50)))
     reason = "not applicable: 20 rows a second are too few"

@@ -17,6 +17,8 @@ from click.testing import CliRunner
 
 from fmus.carbody.default_data import outlined
 from fmus.carbody.modal_data import Point
+from orchestrator import Provenance, simulate
+from support.coupled_models import oscillator
 from support.modal import random_data
 from tracktrain.car.shapes import unit_motions, wire_frame
 from tracktrain.cli.main import main
@@ -35,6 +37,19 @@ def plain(rows: int = 400) -> xr.Dataset:
     time = np.arange(rows) / 100
     wave = xr.Variable("time", 3.0 * np.sin(2 * np.pi * 5 * time), {"units": "N"})
     return xr.Dataset({"a.force": wave, "a.<b>": wave * 2}, {"time": time}, {"step": 0.01})
+
+
+def test_the_page_of_a_system_that_is_no_car_shows_what_it_is() -> None:
+    run = simulate(oscillator(), duration=0.3, step=0.01)
+    text = html.unescape(page(run.dataset))
+    assert "<title>Run of one and other</title>" in text
+    for source, target in Provenance.of(run.dataset).connections:
+        assert f"<code>{source}</code></th><td><code>{target}</code>" in text
+    found = re.search(r"data:image/svg\+xml;base64,([^\"]+)", text)
+    assert found is not None
+    assert {"one", "other"} <= set(re.findall(r">(\w+)<", base64.b64decode(found[1]).decode()))
+    assert 'id="assessment"' not in text and "not applicable" not in text
+    assert "Coupling: " in text
 
 
 def test_motions_of_the_wire_frame_add_up_to_any_shape() -> None:

@@ -49,6 +49,9 @@ def command(folder: Path, as_json: bool, quiet: bool) -> None:
         print_json(assessment=table, events=found)
     elif not quiet:
         console = Console()
+        if not len(table):
+            console.print("the system has nothing that a limit of the field is about")
+            return
         print_whole(console, _shown(table))
         print_events(console, found)
         console.print("for comparison: the rule is for other vehicles, track or speeds (its scope)")
