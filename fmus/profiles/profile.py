@@ -102,8 +102,8 @@ class Surface:
 
     def at(self, s: Array) -> tuple[Array, Array, Array, Array]:
         """y, z [m] and dy/ds, dz/ds [1]."""
-        (y, z), (dy, dz) = (np.moveaxis(self.spline(s, order), -1, 0) for order in (0, 1))
-        return y, z, dy, dz
+        point, tangent = self.spline(s), self.spline(s, 1)
+        return point[..., 0], point[..., 1], tangent[..., 0], tangent[..., 1]
 
     def curvature(self, s: Array) -> Array:
         """[1/m], above zero where the body is convex: the turn over `PATCH` around the point."""

@@ -16,6 +16,8 @@ STEEP = np.radians(25.0)
 """A contact plane that is steeper is that of a flange [rad]."""
 CLIMB = 4e-3
 """How far the flange is followed up the rail [m]."""
+OFF_TREAD = 0.01
+"""Rolling radius less the nominal one [m] that no tread has."""
 FARTHEST, SEARCH = 0.025, 2.5e-4
 """Largest shift, and steps [m] at which the flange's contact is looked for."""
 BLUR = 2.5e-4
@@ -63,7 +65,7 @@ def flange_begins(wheelset: Wheelset, track: Track) -> tuple[float, Jump | None]
 
     Where the contact wanders up the flange there is no jump, and the flange begins at `STEEP`.
     """
-    found = None
+    _check_centred(contact_geometry(wheelset, track, [0.0]))
     for end in np.arange(0.01, FARTHEST, 0.005):
         found = contact_geometry(wheelset, track, np.arange(0.0, end, SEARCH))
         clearance = found.flange_contact("left", float(STEEP))
@@ -74,6 +76,20 @@ def flange_begins(wheelset: Wheelset, track: Track) -> tuple[float, Jump | None]
         f"the flange of {wheelset.left.name} does not touch {track.left.name} within a shift of "
         f"{FARTHEST * 1e3:g} mm; check the tape spacing and the gauge"
     )
+
+
+def _check_centred(geometry: ContactGeometry) -> None:
+    """Raise ParameterError for a wheelset that stands on its flanges when it is centred."""
+    wheel, rail = geometry.wheelset, geometry.track
+    off_tread = np.abs(geometry.left.radius[0] - wheel.rolling_radius) > OFF_TREAD
+    if abs(geometry.left.angle[0]) > STEEP or off_tread:
+        raise ParameterError(
+            f"{wheel.left.name} crosses {rail.left.name}: centred, it stands on its flanges, "
+            f"{geometry.left.on_wheel[0] * 1e3:.4g} mm from the tape circle, at a contact angle of "
+            f"{np.degrees(geometry.left.angle[0]):.3g} deg; check the tape spacing "
+            f"({wheel.tape_spacing * 1e3:.5g} mm), the gauge ({rail.gauge * 1e3:.5g} mm) and where "
+            "the tape circle is on the wheel"
+        )
 
 
 def _patch(

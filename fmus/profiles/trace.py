@@ -13,9 +13,9 @@ import numpy as np
 
 from .profile import Array, Profile, Surface
 
-STEP = 1e-4
+STEP = 2e-4
 """Distance of points on wheel and rail [m] between which a contact is looked for."""
-SECANTS = 12
+SECANTS = 9
 """Steps of false position between such points: to rounding."""
 
 
@@ -37,14 +37,14 @@ class PlacedRail:
     def placed(cls, profile: Profile, gauge: float, depth: float, inclination: float) -> PlacedRail:
         """With its top at 0 and its gauge face at half the gauge."""
         angle = float(np.arctan(inclination))
-        y, z = _turned(*profile.surface.at(profile.surface.grid(STEP / 5))[:2], angle)
+        y, z = _turned(*profile.surface.at(profile.surface.grid(STEP / 10))[:2], angle)
         top = z.max()
         face = y[z >= top - depth].min()
         return cls(profile.name, profile.surface, angle, (float(gauge / 2 - face), float(-top)))
 
     @cached_property
     def outline(self) -> tuple[Array, Array, Array]:
-        """s, y, z [m] of close points, where y rises."""
+        """s, y, z [m] of points so close that one Newton step between them is exact; y rises."""
         s = self.surface.grid(STEP / 2)
         y, z = self._at(s)[:2]
         top = int(z.argmax())
@@ -61,9 +61,8 @@ class PlacedRail:
         """s, z [m] and the tangent (dy, dz) of the rail under y [m]; at its ends beyond them."""
         s_near, y_near, _ = self.outline
         s = np.interp(y, y_near, s_near)
-        for _ in range(2):
-            there, _, dy, _ = self._at(s)
-            s = np.clip(s + (y - there) / np.maximum(dy, 0.01), s_near[0], s_near[-1])
+        there, _, dy, _ = self._at(s)
+        s = np.clip(s + (y - there) / np.maximum(dy, 0.01), s_near[0], s_near[-1])
         _, z, dy, dz = self._at(s)
         return s, z, dy, dz
 

@@ -41,15 +41,15 @@ class Table:
         return f"{self.file}, line {self.lines[row]}"
 
 
-def read_text(path: Path) -> str:
+def read_text(path: Path, what: str = "track") -> str:
     """The text of a file; GeometryError for one that cannot be read."""
     try:
         raw = path.read_bytes()
     except OSError as error:
         reason = (error.strerror or "it is no file").lower()
-        raise GeometryError(f"the track '{path}' cannot be read: {reason}") from None
+        raise GeometryError(f"the {what} '{path}' cannot be read: {reason}") from None
     if b"\0" in raw[:4096]:
-        raise GeometryError(f"'{path}' is no text; give a track as CSV")
+        raise GeometryError(f"'{path}' is no text; give a {what} as text, such as CSV")
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:

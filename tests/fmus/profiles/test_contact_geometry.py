@@ -131,6 +131,26 @@ def test_yaw_of_a_cone_shifts_its_contact_by_the_taper():
     assert found.left.ahead[0] == pytest.approx(spoke + axle, abs=1e-12)
 
 
+FLANGE_OF_CONTACT = {
+    8.0: (719.8316, 0.9501, 0.9036),
+    9.0: (720.4903, 0.8676, 3.2265),
+    10.0: (721.0880, 0.7992, 5.2821),
+}
+"""Shift [mm]: place on the rail [mm], angle [rad], distance before or behind the axle's middle [mm]
+of the Manchester benchmark's case A-2.2, yawed by 2.4 mrad/mm: eve70a/CONTACT, mbench_a22_right."""
+
+
+@pytest.mark.parametrize("shift", FLANGE_OF_CONTACT)
+def test_s1002_touches_uic_60_with_its_flange_where_contact_has_it(shift):
+    place, angle, ahead = FLANGE_OF_CONTACT[shift]
+    wheelset = Wheelset(shape("s1002"), 0.46, 1.5)
+    track = Track(shape("60e1"), 1.435, 0.014, 1 / 40)
+    found = contact_geometry(wheelset, track, [shift * 1e-3], -2.4e-3 * shift).left[0]
+    assert found.place * 1e3 + shift == pytest.approx(place, abs=0.01)
+    assert found.angle == pytest.approx(angle, abs=1e-3)
+    assert abs(found.ahead) * 1e3 == pytest.approx(ahead, abs=0.05)
+
+
 def test_the_wheelset_slides_along_the_contact_planes():
     at = np.array([-6e-3, 6e-3, 9e-3])  # tread, tread, flange
     step = 1e-7

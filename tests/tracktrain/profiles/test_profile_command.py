@@ -1,0 +1,55 @@
+"""The commands `tracktrain profile`."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from tracktrain.cli.main import main
+
+
+def ran(*words: str):
+    return CliRunner().invoke(main, ["profile", *words])
+
+
+def test_show_tells_and_draws_what_a_pair_does(tmp_path):
+    picture = tmp_path / "pair.png"
+    result = ran("show", "conical", "crown", "--picture", str(picture))
+    assert result.exit_code == 0, result.output
+    assert "equivalent conicity at 3 mm (EN 15302, by integration): 0.0523" in result.output
+    assert "flange: touches at a shift of 8.459 mm" in result.output
+    assert picture.stat().st_size > 10_000
+
+
+def test_show_gives_all_contacts_as_json():
+    found = json.loads(ran("show", "conical", "crown", "--inclination", "0", "--json").output)
+    assert found["conicity_at_3_mm"] == pytest.approx(0.0523, abs=5e-4)
+    contacts = found["contacts"]
+    assert len(contacts["left.radius"]) == len(contacts["shift"]) > 100
+
+
+def test_make_writes_a_profile_in_our_axes(tmp_path):
+    out = tmp_path / "mine.csv"
+    assert ran("make", str(out), "conical").exit_code == 0
+    assert "# profile = wheel\n# y positive = outside\n# z positive = up\ny [mm],z [mm]\n" in (
+        out.read_text()
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("show", "conical", "crown", "--inclination", "steep"), "no inclination; give one such"),
+        (("show", "conical", "crown", "--picture", "x.doc"), "is no picture by its ending"),
+        (("show", "missing.csv", "crown"), "the profile 'missing.csv' cannot be read"),
+        (("show", "conical", "crown", "--say", "side=left"), "--say 'side=left' cannot be read"),
+        (("make", "out.prw", "conical"), "call it 'out.csv'"),
+    ],
+)
+def test_a_mistake_is_answered_in_words(words, message):
+    result = ran(*words)
+    assert result.exit_code != 0
+    assert message in " ".join(result.output.split())
+    assert "Traceback" not in result.output

@@ -1,0 +1,72 @@
+"""The command `tracktrain profile show`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ....options.profiles import pairing_options
+from ....options.types import Quantity
+from ....terminal import writable
+from ...as_json import json_option, print_json
+
+
+@click.command(
+    epilog="""\b
+Examples:
+  tracktrain profile show conical crown
+  tracktrain profile show worn crown --picture worn.png
+  tracktrain profile show s1002 60e1 --rolling-radius "460 mm" --tape-spacing "1500 mm" \\
+      --gauge "1435 mm" --gauge-depth "14 mm"
+  tracktrain profile show wheel.whl rail.ban --say "wheel.tape_circle=70 mm" \\
+      --say rail.y_positive=inside --say "smoothing=5 mm\""""
+)
+@click.argument("wheel")
+@click.argument("rail")
+@pairing_options()
+@click.option(
+    "--yaw",
+    type=Quantity("angle", "rad", ("mrad", "deg", "rad"), "5 mrad"),
+    metavar="ANGLE",
+    help="Of the wheelset, to the left.",
+)
+@click.option(
+    "--picture",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE",
+    help="Draw profiles, rolling radii, angles and conicity, as PNG, SVG or PDF.",
+)
+@json_option
+def command(
+    wheel: str,
+    rail: str,
+    says: tuple[str, ...],
+    yaw: float | None,
+    picture: Path | None,
+    as_json: bool,
+    **lengths: Any,
+) -> None:
+    """Tell how WHEEL, a file or a shape, meets RAIL: contact, conicity, jumps, flange."""
+    from ....profiles.examined import Examined
+    from ....profiles.pairing import Pairing
+    from ....profiles.pictures import save
+
+    wheelset, track = Pairing(**lengths).placed(wheel, rail, says)
+    found = Examined(wheelset, track, yaw or 0.0)
+    if picture is not None:
+        writable(picture.parent)
+        save(found, picture)
+    if as_json:
+        print_json(**found.data())
+        return
+    for profile in (wheelset.left, track.left):
+        click.echo(f"{profile.kind} {profile.name}")
+        for line in profile.said:
+            click.echo(f"  {line}")
+    click.echo("contact")
+    for line in found.lines():
+        click.echo(f"  {line}")
+    if picture is not None:
+        click.echo(f"{picture}")

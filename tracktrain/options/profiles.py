@@ -1,0 +1,70 @@
+"""Options of a pair of profiles: how the wheels stand on the axle, and the rails in the track."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+from .fields import adding
+from .types import Quantity
+
+LENGTH = ("mm", "in", "m")
+
+
+class Inclination(click.ParamType):
+    """1:40, 1/40, 0.025 or 0 as a number."""
+
+    name = "inclination"
+
+    def convert(
+        self, value: str | float, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        if isinstance(value, float):
+            return value
+        one, _, to = value.replace("/", ":").partition(":")
+        try:
+            found = float(one) / (float(to) if to else 1.0)
+        except (ValueError, ZeroDivisionError):
+            found = math.nan
+        if not abs(found) <= 0.2:
+            self.fail(f"'{value}' is no inclination; give one such as 1:40, 1:20 or 0", param, ctx)
+        return found
+
+
+def _length(name: str, default: str, text: str) -> Callable[[Any], Any]:
+    kind = Quantity(name.strip("-").replace("-", " "), "m", LENGTH, default)
+    return click.option(
+        name, type=kind, default=default, show_default=True, metavar="LENGTH", help=text
+    )
+
+
+PAIRING = (
+    _length("--rolling-radius", "16.5 in", "Of the wheels, at their tape circles."),
+    _length("--tape-spacing", "59.5 in", "From tape circle to tape circle."),
+    _length("--gauge", "56.5 in", "Of the track."),
+    _length("--gauge-depth", "0.625 in", "Below the rails' tops, where the gauge is measured."),
+    click.option(
+        "--inclination",
+        type=Inclination(),
+        default="1:40",
+        show_default=True,
+        metavar="1:N",
+        help="Of the rails, to the inside.",
+    ),
+    click.option(
+        "--say",
+        "says",
+        multiple=True,
+        metavar="[wheel.|rail.]KEY=VALUE",
+        help="What a file does not say of itself, such as 'rail.y_positive=inside' or "
+        "'wheel.smoothing=5 mm' (docs/profiles.md). Repeatable.",
+    ),
+)
+
+
+def pairing_options() -> Callable[[Any], Any]:
+    """rolling_radius, tape_spacing, gauge, gauge_depth [m], inclination [1], says."""
+    return adding(PAIRING)

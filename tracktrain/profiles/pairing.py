@@ -1,0 +1,64 @@
+"""A wheel and a rail as a wheelset on a track."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from fmus.profiles import tables
+from fmus.profiles.geometry import Track, Wheelset
+from fmus.profiles.profile import Kind
+from fmus.wheelrail.contact_table import ContactTable
+from orchestrator import choices
+
+from ..geometry.errors import GeometryError
+from .reading import KEYS, profile_of
+
+INCH = 0.0254
+
+
+@dataclass(frozen=True)
+class Pairing:
+    """Where wheels and rails lie; [m], inclination [1].
+
+    Of the freight car: wheels of 33 in, tape circles above the middles of the rails, gauge 56.5 in
+    measured 5/8 in below the top, rails inclined by 1 in 40.
+    """
+
+    rolling_radius: float = 16.5 * INCH
+    tape_spacing: float = 59.5 * INCH
+    gauge: float = 56.5 * INCH
+    gauge_depth: float = 0.625 * INCH
+    inclination: float = 1 / 40
+
+    def placed(
+        self, wheel: str | Path, rail: str | Path, says: Sequence[str] = ()
+    ) -> tuple[Wheelset, Track]:
+        """Of files or shapes; says: `wheel.key=value`, `rail.key=value`, or `key=value` of both."""
+        wheels = profile_of(wheel, said_of("wheel", says), "wheel")
+        rails = profile_of(rail, said_of("rail", says), "rail")
+        return (
+            Wheelset(wheels, self.rolling_radius, self.tape_spacing),
+            Track(rails, self.gauge, self.gauge_depth, self.inclination),
+        )
+
+
+def said_of(kind: Kind, says: Sequence[str]) -> list[str]:
+    """What is said of one of the two; raises GeometryError for what is said of neither."""
+    found = []
+    for text in says:
+        of, dot, rest = text.partition(".")
+        named = of.strip() in ("wheel", "rail") and dot
+        if not named and "=" not in text:
+            raise GeometryError(f"--say '{text}' cannot be read; {choices(text, KEYS)}")
+        if not named or of.strip() == kind:
+            found.append(rest if named else text)
+    return found
+
+
+def contact_table(
+    wheel: str | Path, rail: str | Path, pairing: Pairing | None = None, says: Sequence[str] = ()
+) -> ContactTable:
+    """The table of a wheel and a rail, each a file or the name of a shape."""
+    return tables.contact_table(*(pairing or Pairing()).placed(wheel, rail, says))
