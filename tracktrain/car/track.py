@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zipfile
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,7 +13,9 @@ from fmus.track.recorded_data import IN_FMU, TrackData
 from orchestrator import Profile, System, in_unit
 
 from ..geometry.errors import GeometryError
+from ..geometry.making import drawn
 from ..geometry.measured import UNITS, read_track, track_of
+from ..geometry.spectra import is_spectrum_file
 from ..geometry.table import read_table
 from .changes import swapped
 from .hopper import layout_of
@@ -21,6 +24,9 @@ DRAWN = ("spectrum", "seed", "report_rms", "wavelength_min", "wavelength_max", "
 """Parameters of a drawn track, which a recorded one has not."""
 
 START = "start"
+
+BEYOND, SPACING = 10.0, 0.25
+"""Track behind the end of the run, and from station to station, of a spectrum in a file [m]."""
 
 
 def track_data(path: Path | str, says: Sequence[str] = ()) -> TrackData:
@@ -42,6 +48,17 @@ def track_data(path: Path | str, says: Sequence[str] = ()) -> TrackData:
             "'tracktrain track build' makes such; --swap track=FMU takes any other"
         ) from None
     return track_of(read_table(path.name, text, UNITS), path.stem)
+
+
+def track_for(system: System, given: Path | str, seed: int) -> TrackData:
+    """The track of a file; of a file that is a spectrum, a realisation as long as the run.
+
+    The system's experiment says how long that is. Raises GeometryError.
+    """
+    if not is_spectrum_file(Path(given)):
+        return track_data(given)
+    length = _travelled(system, layout_of(system).track) + BEYOND
+    return drawn(str(given), seed, SPACING * math.ceil(length / SPACING), SPACING)
 
 
 def with_track(system: System, track: TrackData | Path | str) -> tuple[System, list[str]]:

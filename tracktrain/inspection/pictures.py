@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import matplotlib as mpl
@@ -19,7 +19,9 @@ from ..correlation.spectra import Spectrum
 from ..geometry.spectra import PUBLISHED, published
 from ..plots import BLUE, INK, MUTED, RED, STYLE, column, conversion, envelope
 from ..scales import FOOT
+from .densities import density
 from .federal import CLASSES, Measure
+from .whittle import Fit
 
 GERMAN = "german-low"
 """A spectrum beside those of the FRA classes."""
@@ -71,19 +73,30 @@ def law(measured: Sequence[Measure], made: int, asked: int) -> Figure:
 def spectra(found: dict[str, Spectrum]) -> Figure:
     """Each channel's density with its interval, among the published ones."""
     figure, axes = column(len(found), 3.2)
-    for ax, (channel, density) in zip(axes, found.items(), strict=True):
-        low, high = density.bounds()
-        ax.fill_between(density.frequency, 1e6 * low, 1e6 * high, color=BLUE, alpha=0.2, lw=0)
-        ax.loglog(density.frequency, 1e6 * density.density, color=BLUE, label="measured, 95 %")
-        _classes(ax, channel, density.frequency)
+    for ax, (channel, own) in zip(axes, found.items(), strict=True):
+        low, high = own.bounds()
+        ax.fill_between(own.frequency, 1e6 * low, 1e6 * high, color=BLUE, alpha=0.2, lw=0)
+        ax.loglog(own.frequency, 1e6 * own.density, color=BLUE, label="measured, 95 %")
+        _classes(ax, channel, own.frequency)
         ax.set_ylabel(f"{spoken(channel)}\n[mm²/(cycle/m)]")
-        ax.set_ylim(*_range(density))
+        ax.set_ylim(*_range(own))
         ax.margins(x=0.0)
     axes[0].legend(frameon=False, loc="lower left")
     axes[0].set_title("Power spectral density, among published ones (numbers: FRA classes)")
     axes[-1].set_xlabel("spatial frequency [cycle/m]")
     waves = axes[0].secondary_xaxis("top", functions=(_inverse, _inverse))
     waves.set_xlabel("wave [m]")
+    return figure
+
+
+@mpl.rc_context(STYLE)
+def fitted(data: TrackData, fits: Mapping[str, Fit]) -> Figure:
+    """Each channel's density with its interval, and the one that was fitted to it."""
+    figure = spectra({channel: density(data, channel) for channel in fits})
+    for ax, found in zip(figure.axes, fits.values(), strict=True):
+        frequency = np.geomspace(found.band[0], found.band[1], 200)
+        ax.plot(frequency, 1e6 * found.density(frequency), color=RED, label=f"fitted: {found.form}")
+        ax.legend(frameon=False, loc="lower left")
     return figure
 
 
@@ -105,10 +118,10 @@ def _classes(ax: Axes, channel: str, frequency: np.ndarray) -> None:
         )
 
 
-def _range(density: Spectrum) -> tuple[float, float]:
+def _range(own: Spectrum) -> tuple[float, float]:
     """Of the ordinate, so that what is nothing does not squeeze the rest."""
-    most = 1e6 * float(density.density.max())
-    least = 1e6 * float(density.density[density.density > 0].min(initial=most))
+    most = 1e6 * float(own.density.max())
+    least = 1e6 * float(own.density[own.density > 0].min(initial=most))
     return max(least, 1e-5 * most) / 3, 30 * most
 
 

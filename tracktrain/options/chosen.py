@@ -27,6 +27,7 @@ from .fields import adding
 from .types import Assignment, Quantity
 
 if TYPE_CHECKING:
+    from fmus.track.recorded_data import TrackData
     from orchestrator import PortMap, System
 
 Assigned = tuple[str, str, str]
@@ -133,9 +134,9 @@ def chosen_car(shape: Shape) -> System:
     notes: list[str] = []
     stations = None
     if own_track:
-        from ..car.track import track_data, with_track
+        from ..car.track import with_track
 
-        stations = track_data(shape.track)
+        stations = _own_track(system, shape)
         system, said = with_track(system, stations)
         notes += said
     if shape.carbody is not None:
@@ -170,6 +171,22 @@ def chosen_car(shape: Shape) -> System:
 
         check_length(system, stations, shape.track)
     return system
+
+
+def _own_track(system: System, shape: Shape) -> TrackData:
+    """The track of a file; of a spectrum's, one as long as the run."""
+    from orchestrator import Experiment
+
+    from ..car import changes, hopper
+    from ..car.track import track_for
+
+    stop = DURATION
+    if shape.speed_profile is not None:
+        instance = hopper.layout_of(system).track
+        system, profile = changes.driven(system, instance, "speed", str(shape.speed_profile))
+        stop = profile.times[-1]
+    timed = _timed(replace(system, experiment=Experiment(0.0, stop, STEP)), shape)
+    return track_for(timed, shape.track, shape.seed)
 
 
 def chosen_file(
@@ -218,8 +235,14 @@ def refuse_idle_options(ctx: click.Context, shape: Shape) -> None:
     """Raise TracktrainError for a speed beside a table of it, and a seed beside a track's file."""
     if shape.speed_profile is not None:
         refuse_options(ctx, ["speed"], f"the speed is that of '{shape.speed_profile}'")
-    if is_track_file(shape.track):
+    if is_track_file(shape.track) and not _is_spectrum(shape.track):
         refuse_options(ctx, ["seed"], f"the track is that of '{shape.track}', as it stands there")
+
+
+def _is_spectrum(given: str) -> bool:
+    from ..geometry.spectra import is_spectrum_file
+
+    return is_spectrum_file(Path(given))
 
 
 def _port_maps(shape: Shape) -> dict[str, PortMap]:

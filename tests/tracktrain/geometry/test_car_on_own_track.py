@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from fmus.track.recorded_data import TrackData, as_text
-from orchestrator import simulate
+from orchestrator import Experiment, simulate
 from tracktrain.car.hopper import hopper_car
-from tracktrain.car.track import with_track
+from tracktrain.car.track import track_for, with_track
 from tracktrain.cli.main import main
 
 SPEED, WAVE, LENGTH = 18.288, 12.0, 160.0
@@ -55,3 +56,13 @@ def test_a_run_that_does_not_fit_the_track_is_refused_before_it_starts(file, arg
     assert result.exit_code != 0
     assert "Traceback" not in result.output
     assert re.search(message, result.output.replace("\n", " "))
+
+
+def test_a_spectrum_in_a_file_becomes_a_track_as_long_as_the_run(tmp_path):
+    path = tmp_path / "spectrum.csv"
+    path.write_text("# density = one-sided\nfrequency [1/m],profile [m^3]\n0.03,1e-4\n0.3,1e-6\n")
+    system = replace(hopper_car("empty", SPEED), experiment=Experiment(0.0, 4.0, 1e-3))
+    first, again, other = (track_for(system, path, seed) for seed in (1, 1, 2))
+    assert 0 < first.last - 4.0 * SPEED < 12.0
+    assert np.array_equal(first.values, again.values)
+    assert not np.array_equal(first.values, other.values)

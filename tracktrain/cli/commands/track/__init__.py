@@ -19,4 +19,4 @@ Examples:
   tracktrain run --track mine.csv""",
 )
 def command() -> None:
-    """Make, inspect and build a track of your own (docs/own_track.md)."""
+    """Make, inspect, fit and build a track of your own (docs/own_track.md)."""
