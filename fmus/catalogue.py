@@ -31,10 +31,10 @@ NUMBERS = "numbers.json"
 def source_hash() -> str:
     """SHA-256 of all that an FMU is made from: the files of this package."""
     digest = hashlib.sha256()
-    for path in sorted(PACKAGE.rglob("*")):
-        place = path.relative_to(PACKAGE)
-        if path.is_file() and place.parts[0] != "built" and "__pycache__" not in place.parts:
-            digest.update(place.as_posix().encode() + b"\0" + path.read_bytes())
+    files = {path.relative_to(PACKAGE).as_posix(): path for path in PACKAGE.rglob("*")}
+    for place, path in sorted(files.items()):  # as text: Windows sorts paths otherwise
+        if path.is_file() and not place.startswith("built/") and "__pycache__" not in place:
+            digest.update(place.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()
 
 
@@ -82,16 +82,20 @@ def folder() -> Path:
     return place
 
 
-def build_into(place: Path, names: Iterable[str] = NAMES) -> None:
-    """Build the FMUs of these blocks, and no others, into the folder; stamp it with the hash of
-    the sources."""
+def build_into(place: Path, names: Iterable[str] = NAMES, platform_name: str = "host") -> None:
+    """Build the FMUs of these blocks for a platform, and no others, into the folder; stamp it.
+
+    platform_name: of `export.compiler.TARGETS`, or `host`. Raises CompileError, OSError.
+    """
     from . import BLOCKS
     from .describe.parameters import PARAMETER_SETS, parameter_set
     from .export import build
+    from .export.compiler import targets
 
+    (target,) = targets([platform_name])
     stamp = place / STAMP
     stamp.unlink(missing_ok=True)
-    built = set(build(place, names).values())
+    built = set(build(place, names, [platform_name]).values())
     for old in set(place.glob("*.fmu")) - built:  # another process may be at the same
         old.unlink(missing_ok=True)
     blocks = [kind() for kind in BLOCKS.values()]
@@ -103,7 +107,7 @@ def build_into(place: Path, names: Iterable[str] = NAMES) -> None:
         },
     }
     (place / NUMBERS).write_text(json.dumps(known, indent=1))
-    stamp.write_text(_stamp())
+    stamp.write_text(_stamp(target.system, target.machine))
 
 
 def _built(name: str, path: Path) -> Path:
@@ -122,12 +126,12 @@ def _built(name: str, path: Path) -> Path:
 def _is_current(place: Path) -> bool:
     try:
         files = [f"{name}{suffix}.fmu" for name in CAR for suffix in SUFFIX.values()]
-        return (place / STAMP).read_text() == _stamp() and all(
+        return (place / STAMP).read_text() == _stamp(platform.system(), platform.machine()) and all(
             (place / name).exists() for name in (*files, NUMBERS)
         )
     except OSError:
         return False
 
 
-def _stamp() -> str:
-    return f"{source_hash()} {platform.system()} {platform.machine()}\n"
+def _stamp(system: str, machine: str) -> str:
+    return f"{source_hash()} {system} {machine}\n"

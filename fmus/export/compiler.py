@@ -23,31 +23,33 @@ class CompileError(FmusError):
 
 @dataclass(frozen=True)
 class Target:
-    """A platform: its name, folders in an FMI 2.0 and 3.0 archive, library suffix, name for zig."""
+    """A platform: its name, folders in an FMI 2.0 and 3.0 archive, library suffix, name for zig,
+    and what Python calls its system and its machine."""
 
     name: str
     folder2: str
     folder3: str
     suffix: str
     zig: str
+    system: str
+    machine: str
 
     def folder(self, fmi: str) -> str:
         """The platform's folder in the archives of a version of FMI."""
         return self.folder2 if fmi == "2.0" else self.folder3
 
 
+_TARGETS = """
+linux-x86_64   linux64        x86_64-linux   .so    x86_64-linux-gnu.2.17  Linux   x86_64
+linux-aarch64  aarch64-linux  aarch64-linux  .so    aarch64-linux-gnu.2.17 Linux   aarch64
+windows-x86_64 win64          x86_64-windows .dll   x86_64-windows-gnu     Windows AMD64
+macos-x86_64   darwin64       x86_64-darwin  .dylib x86_64-macos.11.0      Darwin  x86_64
+macos-arm64    aarch64-darwin aarch64-darwin .dylib aarch64-macos.11.0     Darwin  arm64
+"""
+
 # FMI 2.0.4 calls the x86-64 ones linux64, win64 and darwin64, and takes the names of all others
 # from FMI 3.0. The versions are the oldest glibc and macOS that the libraries run with.
-TARGETS = {
-    target.name: target
-    for target in (
-        Target("linux-x86_64", "linux64", "x86_64-linux", ".so", "x86_64-linux-gnu.2.17"),
-        Target("linux-aarch64", "aarch64-linux", "aarch64-linux", ".so", "aarch64-linux-gnu.2.17"),
-        Target("windows-x86_64", "win64", "x86_64-windows", ".dll", "x86_64-windows-gnu"),
-        Target("macos-x86_64", "darwin64", "x86_64-darwin", ".dylib", "x86_64-macos.11.0"),
-        Target("macos-arm64", "aarch64-darwin", "aarch64-darwin", ".dylib", "aarch64-macos.11.0"),
-    )
-}
+TARGETS = {row.split()[0]: Target(*row.split()) for row in _TARGETS.strip().splitlines()}
 
 LANGUAGE = "C99"
 """What our C is written in, as FMI's build descriptions call it."""
@@ -62,19 +64,13 @@ FLAGS = (
 
 def host_target() -> Target:
     """The target of this machine; raises CompileError on a platform that is not supported."""
-    system, machine = sys.platform, platform.machine().lower()
-    name = {
-        ("linux", "x86_64"): "linux-x86_64",
-        ("linux", "aarch64"): "linux-aarch64",
-        ("win32", "amd64"): "windows-x86_64",
-        ("darwin", "x86_64"): "macos-x86_64",
-        ("darwin", "arm64"): "macos-arm64",
-    }.get((system, machine))
-    if name is None:
-        raise CompileError(
-            f"no FMU can be built for {system} {machine}; supported are: {', '.join(TARGETS)}"
-        )
-    return TARGETS[name]
+    system, machine = platform.system(), platform.machine()
+    for target in TARGETS.values():
+        if (target.system, target.machine) == (system, machine):
+            return target
+    raise CompileError(
+        f"no FMU can be built for {system} {machine}; supported are: {', '.join(TARGETS)}"
+    )
 
 
 def targets(names: Iterable[str]) -> tuple[Target, ...]:

@@ -28,12 +28,10 @@ _C_TYPES: dict[str, tuple[Any, str, Type]] = {
 
 
 class Entry:
-    """A function that is compiled with all that it calls; `py_func` is it in plain Python."""
+    """What is compiled under a name, for Python or C to call."""
 
-    def __init__(self, function: Callable[..., Any]) -> None:
-        self.py_func = function
-        self.name = f"entry.{function.__module__}.{function.__name__}".replace(".", "_")
-        self.module = function.__module__
+    def __init__(self, name: str, module: str) -> None:
+        self.name, self.module = name, module
         ENTRIES[self.name] = self
 
     def emit(self, unit: Unit) -> str:
@@ -41,11 +39,35 @@ class Entry:
         raise NotImplementedError
 
     @cached_property
-    def _library(self) -> Library | None:
+    def library(self) -> Library | None:
+        """The library that has it; None where there is none and none can be made."""
         return library_of(self)
 
 
-class MacroLoop(Entry):
+class Written(Entry):
+    """C that is written as such, since Python has no words for it."""
+
+    def __init__(self, name: str, module: str, text: str) -> None:
+        super().__init__(name, module)
+        self._text = text
+
+    def emit(self, unit: Unit) -> str:
+        unit.modules.add(self.module)
+        return self._text
+
+
+class OfPython(Entry):
+    """A function that is compiled with all that it calls; `py_func` is it in plain Python."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.py_func = function
+        super().__init__(
+            f"entry.{function.__module__}.{function.__name__}".replace(".", "_"),
+            function.__module__,
+        )
+
+
+class MacroLoop(OfPython):
     """A loop over macro steps, which is called as the plain function, or bound to its tables first.
 
     The first of its arguments are numbers and a record, new in each call; behind `report` come the
@@ -102,7 +124,7 @@ class MacroLoop(Entry):
 
         Its `steps` takes those behind the rows, once, and gives what takes the two rows alone.
         """
-        library = self._library
+        library = self.library
         if library is None:
             plain = self.py_func
             return lambda *given: plain(*given, *tables)
@@ -146,7 +168,7 @@ class MacroLoop(Entry):
         self.bound(arguments[self.COMMON :])(*arguments[: self.COMMON])
 
 
-class CFunction(Entry):
+class CFunction(OfPython):
     """A function that C can call; signature: "int32(int64, float64)"."""
 
     def __init__(self, function: Callable[..., Any], signature: str) -> None:
@@ -171,8 +193,8 @@ class CFunction(Entry):
     @cached_property
     def address(self) -> int:
         """Where it is; it stays there."""
-        if self._library is not None:
-            return self._library.address(self.name)
+        if self.library is not None:
+            return self.library.address(self.name)
         kinds = (_C_TYPES[argument][0] for argument in self._arguments)
         self._callback = ctypes.CFUNCTYPE(_C_TYPES[self._result][0], *kinds)(self.py_func)
         address = ctypes.cast(self._callback, ctypes.c_void_p).value

@@ -49,6 +49,7 @@ PRODUCT = tuple(
         "results.energy",
         "slaves.adapted.adaptors",
         "slaves.isolated.adaptors",
+        "slaves.logger",
     )
 )
 """Modules where compiled code of this package begins."""

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
-from functools import cache
+from contextlib import redirect_stdout
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from weakref import WeakValueDictionary
-
-from fmpy import calloc, fmi2, free
 
 from ..errors import SlaveError
 from ..fmu.description import Description, Variable
 from ..system.system import Value
 from .fmu import FmuSlave
 from .listener import Listener
+from .logger import logger
+
+with redirect_stdout(None):  # on ARM fmpy prints that it has no logger
+    from fmpy import calloc, fmi2, free
 
 if TYPE_CHECKING:
     from .adapted.lanes import Lanes
@@ -37,13 +38,11 @@ class Fmi2Slave(FmuSlave):
     ) -> None:
         super().__init__(name, description, listener)
         callbacks = fmi2.fmi2CallbackFunctions()
-        callbacks.logger = _logger()
+        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(logger(_heard))
         callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(calloc)
         callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(free)
         callbacks.componentEnvironment = id(self)
         _logging[id(self)] = self
-        # The standard's logger is variadic; fmpy's proxy formats the message in C.
-        fmi2.addLoggerProxy(ctypes.byref(callbacks))
         working_folder = Path.cwd()
         try:
             self._fmu = getattr(fmi2, self.wrapper)(
@@ -133,16 +132,12 @@ _logging: WeakValueDictionary[int, Fmi2Slave] = WeakValueDictionary()
 """Instances by the environment that they hand to the logger."""
 
 
-@cache
-def _logger() -> Any:
-    """The one C function to which every FMU logs: fmpy's proxy knows a single one."""
-
-    def log(environment: int, name: bytes, status: int, category: bytes, message: bytes) -> None:
-        slave = _logging.get(environment or 0)
-        if slave is None:  # an FMU that hands nothing back is told by its name
-            called = (name or b"").decode(errors="replace")
-            slave = next((s for s in list(_logging.values()) if s.name == called), None)
-        if slave is not None:
-            slave.heard(status, (message or b"").decode(errors="replace").strip())
-
-    return fmi2.fmi2CallbackLoggerTYPE(log)
+def _heard(
+    environment: int | None, name: bytes | None, status: int, _: bytes | None, message: bytes | None
+) -> None:
+    slave = _logging.get(environment or 0)
+    if slave is None:  # an FMU that hands nothing back is told by its name
+        called = (name or b"").decode(errors="replace")
+        slave = next((s for s in list(_logging.values()) if s.name == called), None)
+    if slave is not None:
+        slave.heard(status, (message or b"").decode(errors="replace").strip())

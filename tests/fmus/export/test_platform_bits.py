@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -16,21 +14,11 @@ from fmus.export import build
 from fmus.export.compiler import TARGETS, host_target
 from support.binaries import libraries
 from support.hosted import HOST, Hosted, step
-from support.tools import need
-
-RUNNERS = {
-    "windows-x86_64": ("wine", ("wine", "wine64", "/usr/lib/wine/wine64"), ()),
-    "linux-aarch64": (
-        "qemu-user-static and libc6-arm64-cross",
-        ("qemu-aarch64-static", "qemu-aarch64"),
-        ("-L", "/usr/aarch64-linux-gnu"),
-    ),
-}
-"""What runs the programs of another platform here: Debian's name, its programs, arguments."""
+from support.other_platforms import RUNNERS, environment, runner
 
 
 def stepped(
-    fmu: Path, name: str, runner: list[str], folder: Path, environment: dict[str, str]
+    fmu: Path, name: str, begin: list[str], folder: Path, environment: dict[str, str]
 ) -> np.ndarray:
     """Outputs [SI], (steps, values), of one binary in a host program for its platform."""
     target = TARGETS[name]
@@ -39,15 +27,13 @@ def stepped(
     zig = [sys.executable, "-m", "ziglang", "cc", "-target", target.zig, "-w"]
     subprocess.run([*zig, HOST, "-o", folder / host], check=True)
     hosted = Hosted(fmu, folder, name, f"./{library}")
-    step([*runner, f"./{host}"], [hosted], folder, environment)
+    step([*begin, f"./{host}"], [hosted], folder, environment)
     return hosted.outputs()
 
 
 @pytest.fixture(scope="module")
 def foreign_environment(tmp_path_factory) -> dict[str, str]:
-    """Environment of the runners: no display, and a home for wine that is made once."""
-    own = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
-    return {**own, "WINEPREFIX": str(tmp_path_factory.mktemp("wine")), "WINEDEBUG": "-all"}
+    return environment(tmp_path_factory.mktemp("wine"))
 
 
 @pytest.mark.slow
@@ -57,11 +43,9 @@ def foreign_environment(tmp_path_factory) -> dict[str, str]:
 def test_libraries_of_two_platforms_agree_bit_for_bit(
     target, block, fmi, tmp_path, foreign_environment
 ):
-    package, programs, arguments = RUNNERS[target]
-    runner = next(filter(None, map(shutil.which, programs)), None)
-    need(runner, package)
+    begin = runner(target)
     (fmu,) = build(tmp_path, [block], ("linux-x86_64", target), [fmi]).values()
     here = stepped(fmu, "linux-x86_64", [], tmp_path, foreign_environment)
-    there = stepped(fmu, target, [str(runner), *arguments], tmp_path, foreign_environment)
+    there = stepped(fmu, target, begin, tmp_path, foreign_environment)
     assert np.all(np.isfinite(here)) and np.ptp(here, axis=0).max() > 0.0
     np.testing.assert_array_equal(there.view(np.int64), here.view(np.int64))

@@ -158,8 +158,8 @@ def test_unknown_target_is_refused_with_the_choices(tmp_path):
 
 def test_host_that_is_not_supported_is_named_with_what_is(monkeypatch):
     monkeypatch.setattr(compiler.platform, "machine", lambda: "riscv64")
-    monkeypatch.setattr(compiler.sys, "platform", "linux")
-    with pytest.raises(CompileError, match="for linux riscv64; supported are: linux-x86_64, "):
+    monkeypatch.setattr(compiler.platform, "system", lambda: "Linux")
+    with pytest.raises(CompileError, match="for Linux riscv64; supported are: linux-x86_64, "):
         targets(["host"])
 
 

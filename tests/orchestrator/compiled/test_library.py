@@ -28,7 +28,7 @@ def nothing_found(monkeypatch):
     library.product.cache_clear()
     kept = {name: dict(entry.__dict__) for name, entry in ENTRIES.items()}
     for entry in ENTRIES.values():
-        entry.__dict__.pop("_library", None)
+        entry.__dict__.pop("library", None)
     yield
     library.product.cache_clear()
     for name, entry in ENTRIES.items():
@@ -72,7 +72,7 @@ def test_without_compiler_the_run_is_in_plain_python_and_says_so(
     compiled = simulate(oscillator(), duration=1.0, step=0.1)
     library.product.cache_clear()
     for entry in ENTRIES.values():
-        entry.__dict__.pop("_library", None)
+        entry.__dict__.pop("library", None)
 
     def none(target):
         raise compiler.CompileError("there is no C compiler: install one")
@@ -93,7 +93,8 @@ def test_all_loops_of_the_product_are_in_its_library(built):
         path.relative_to(PACKAGE).as_posix()
         for path in PACKAGE.rglob("*.py")
         if any(
-            f"\n{mark}" in path.read_text() for mark in ("@macro_loop", "@c_function", "@adaptors")
+            f"\n{mark}" in path.read_text()
+            for mark in ("@macro_loop", "@c_function", "@adaptors", "FORMATTED = Written(")
         )
         and ".".join([PACKAGE.name, *path.relative_to(PACKAGE).with_suffix("").parts])
         not in PRODUCT

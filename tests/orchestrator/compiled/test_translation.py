@@ -93,7 +93,7 @@ def given(a, b, x, y, least=0):
 
 
 def test_c_gives_the_numbers_of_python_to_the_last_bit():
-    assert mixed._library is not None
+    assert mixed.library is not None
     for (a, b), (x, y) in zip(
         product(NUMBERS, repeat=2), list(product(DOUBLES, repeat=2)) * 2, strict=False
     ):
@@ -135,7 +135,7 @@ def visited(points, others, x):
 
 
 def test_memory_is_read_and_written_alike():
-    assert visited._library is not None
+    assert visited.library is not None
     prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int64, ctypes.c_int64, ctypes.c_double)
     found = []
     for function in (visited.py_func, prototype(visited.address)):
