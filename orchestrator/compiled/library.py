@@ -183,8 +183,8 @@ def _text(unit: Unit, entries: Iterable[Entry]) -> str:
 
 
 def _name(names: Iterable[str], target: Platform) -> str:
-    """The library's name: after the sources, the compiler's flags and the platform."""
-    digest = hashlib.sha256(f"{target.zig} {' '.join(FLAGS)}".encode())
+    """The library's name: after the modules, the sources, the compiler's flags and the platform."""
+    digest = hashlib.sha256(" ".join([target.zig, *FLAGS, *PRODUCT]).encode())
     for name in names:
         digest.update(name.encode() + b"\0" + (PACKAGE / name).read_bytes())
     return f"loops-{digest.hexdigest()[:16]}{target.suffix}"
