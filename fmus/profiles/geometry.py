@@ -40,19 +40,27 @@ class Wheelset:
     right: Profile | None = None
     right_radius: float | None = None
 
+    @property
+    def alike(self) -> bool:
+        """Whether both wheels are."""
+        return self.right is None and self.right_radius in (None, self.rolling_radius)
+
+    @property
+    def mirrored(self) -> Wheelset:
+        """With left and right exchanged."""
+        if self.alike:
+            return self
+        radius = self.rolling_radius if self.right_radius is None else self.right_radius
+        right = self.right or self.left
+        return Wheelset(right, radius, self.tape_spacing, self.left, self.rolling_radius)
+
     @cached_property
     def wheels(self) -> tuple[Wheel, Wheel]:
-        half, radius = self.tape_spacing / 2, self.rolling_radius
-        right_radius = radius if self.right_radius is None else self.right_radius
-        return (
-            Wheel(self.left.surface, radius, half, self.left.name),
-            Wheel(
-                (self.right or self.left).surface,
-                right_radius,
-                half,
-                (self.right or self.left).name,
-            ),
+        left, right = (
+            Wheel(side.left.surface, side.rolling_radius, side.tape_spacing / 2, side.left.name)
+            for side in (self, self.mirrored)
         )
+        return left, right
 
 
 @dataclass(frozen=True)
@@ -69,13 +77,32 @@ class Track:
     inclination: float | tuple[float, float] = 0.0
     right: Profile | None = None
 
+    @property
+    def inclinations(self) -> tuple[float, float]:
+        """Left and right."""
+        left, right = np.broadcast_to(self.inclination, 2)
+        return float(left), float(right)
+
+    @property
+    def alike(self) -> bool:
+        """Whether both rails are."""
+        return self.right is None and self.inclinations[0] == self.inclinations[1]
+
+    @property
+    def mirrored(self) -> Track:
+        """With left and right exchanged."""
+        if self.alike:
+            return self
+        right = self.right or self.left
+        return Track(right, self.gauge, self.gauge_depth, self.inclinations[::-1], self.left)
+
     @cached_property
     def rails(self) -> tuple[PlacedRail, PlacedRail]:
-        left, right = np.broadcast_to(self.inclination, 2)
-        return (
-            PlacedRail.placed(self.left, self.gauge, self.gauge_depth, float(left)),
-            PlacedRail.placed(self.right or self.left, self.gauge, self.gauge_depth, float(right)),
+        left, right = (
+            PlacedRail.placed(side.left, side.gauge, side.gauge_depth, side.inclinations[0])
+            for side in (self, self.mirrored)
         )
+        return left, right
 
 
 @dataclass(frozen=True)
@@ -212,5 +239,5 @@ def _refuse(wheelset: Wheelset, track: Track, shift: float) -> None:
         f"{wheel.name} does not touch {rail.name} at a shift of {shift * 1e3:.3g} mm: from the "
         f"middle of an unshifted wheelset the wheel goes from {wheel_ends} mm, and from the middle "
         f"of the track the rail's head from {rail_ends} mm; check the tape spacing, the gauge and "
-        "the orientation of the profiles"
+        "the orientation of the profiles, and smooth points that scatter"
     )

@@ -19,14 +19,20 @@ FEWEST = 20
 """Points that show a tread or a head."""
 WIDTHS = {"wheel": (0.05, 0.25), "rail": (0.02, 0.25)}
 """Width [m] of what is a profile: that of a wheel's rim, of a rail's head to that of its foot."""
-BACKWARD = 5e-5
-"""What points may go back across the profile [m]: the scatter of a measuring device."""
+BACKWARD = 3e-4
+"""What points may go back across the profile [m]: the scatter of a measuring device on a flank."""
+FLANK = 1e-3
+"""Length [m] that shows whether a profile comes down a flank."""
+WIDEST_HEAD = 0.1
+"""[m]; feet are wider."""
 CLOSE = 1e-6
 """Points nearer than this [m] are one."""
 FLANGE = 0.015
 """Least depth of a flange below the tape circle [m]."""
 PATCH = 1e-3
 """Length over which the curvature is taken [m]: that of a small contact patch."""
+MIDDLE = 0.005
+"""What counts as the middle of a rail, to both sides [m]."""
 LEVEL = 0.02
 """How far from the tape circle [m] a tread is looked at to see which way is up."""
 
@@ -59,9 +65,16 @@ class Profile:
     def surface(self) -> Surface:
         """The part that can touch: along it y never goes back."""
         first, last = _running(self)
-        y = np.maximum.accumulate(self.points[first:last, 0])
-        new = np.concatenate([[True], np.diff(y) > CLOSE])
-        return Surface.through(self.kind, self.points[first:last][new])
+        points = self.points[first:last]
+        furthest = np.maximum.accumulate(points[:, 0])
+        new = np.concatenate([[True], np.diff(furthest) > CLOSE])
+        width = furthest[-1] - furthest[0]
+        if self.kind == "rail" and width > WIDEST_HEAD:
+            raise ParameterError(
+                f"{self.name} has a head of {_mm(width)}, the width of a foot, so it "
+                "is upside down; say 'z positive = down' if that is how it was written (or up)"
+            )
+        return Surface.through(self.kind, points[new])
 
     def smoothed(self, wavelength: float) -> Profile:
         """By a smoothing spline that halves waves of this length [m], shorter ones more.
@@ -117,8 +130,14 @@ class Surface:
 
 
 def oriented(kind: Kind, points: Array, lines: Sequence[int]) -> tuple[Array, tuple[int, ...]]:
-    """The points from the inside to the outside, and their lines."""
-    if points[0, 0] > points[-1, 0]:
+    """The points from the inside to the outside, and their lines.
+
+    The way is looked at on the tread or on the rail's top: a whole section goes round.
+    """
+    y, z = points.T
+    top = int(np.abs(y).argmin() if kind == "wheel" else z.argmax())
+    around = y[max(top - 2, 0) : top + 3]
+    if around[0] > around[-1]:
         return points[::-1], tuple(lines)[::-1]
     return points, tuple(lines)
 
@@ -152,7 +171,8 @@ def _check_upright(profile: Profile) -> None:
     """Flange down and inside; a rail's head up."""
     y, z = profile.points.T
     if profile.kind == "rail":
-        ends, middle = (z[0] + z[-1]) / 2, z[np.abs(y - (y[0] + y[-1]) / 2).argmin()]
+        near = np.abs(y - (y.min() + y.max()) / 2) < MIDDLE
+        ends, middle = (z[0] + z[-1]) / 2, z[near].max(initial=-np.inf)
         if middle < ends:
             raise ParameterError(
                 f"{profile.name} is upside down: the middle of the rail lies {_mm(ends - middle)} "
@@ -182,19 +202,34 @@ def _running(profile: Profile) -> tuple[int, int]:
     start = int(np.abs(y).argmin() if profile.kind == "wheel" else z.argmax())
     ends = []
     for way in (-1, 1):
-        furthest, point = y[start], start
+        furthest = point = start
         while 0 <= point + way < len(y):
-            step = way * (y[point + way] - furthest)
-            if step < -BACKWARD:
-                if abs(z[point + way] - z[point]) < -step:
-                    raise ParameterError(
-                        f"{profile.place(point + way)}: the profile folds back by {_mm(-step)}; "
-                        "give its points in order along it, and leave out strays"
-                    )
+            point += way
+            back = way * (y[furthest] - y[point])
+            if back > BACKWARD:
+                _check_flank(profile, furthest, point, way)
+                point -= way
                 break
-            furthest, point = way * max(way * furthest, way * y[point + way]), point + way
+            if back < 0:
+                furthest = point
         ends.append(point)
     return ends[0], ends[1] + 1
+
+
+def _check_flank(profile: Profile, furthest: int, point: int, way: int) -> None:
+    """Raise ParameterError where a profile goes back that did not come down a flank before."""
+    before = furthest
+    while 0 < before < len(profile.points) - 1 and (
+        np.hypot(*(profile.points[before] - profile.points[furthest])) < FLANK
+    ):
+        before -= way
+    across, down = np.abs(profile.points[before] - profile.points[furthest])
+    if down < across:
+        back = abs(profile.points[furthest, 0] - profile.points[point, 0])
+        raise ParameterError(
+            f"{profile.place(point)}: the profile folds back by {_mm(back)}; give its points in "
+            "order along it, and leave out strays"
+        )
 
 
 def _mm(length: float) -> str:

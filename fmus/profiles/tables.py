@@ -30,8 +30,7 @@ def contact_table(wheelset: Wheelset, track: Track, climb: float = CLIMB) -> Con
     The tread ends where the flange touches, which is then followed for `climb` [m]. Raises
     ParameterError for sides that differ, and for profiles without a flange that touches.
     """
-    alike = wheelset.right is None and wheelset.right_radius in (None, wheelset.rolling_radius)
-    if not (alike and track.right is None and np.ptp(track.inclination) == 0):
+    if not (wheelset.alike and track.alike):
         raise ParameterError(
             "a table holds a wheel and a rail that are alike on both sides; give one wheel, one "
             "rail and one inclination"
@@ -60,14 +59,14 @@ def contact_table(wheelset: Wheelset, track: Track, climb: float = CLIMB) -> Con
     return ContactTable(name, wheelset.rolling_radius, *parts, tuple(said))
 
 
-def flange_begins(wheelset: Wheelset, track: Track) -> tuple[float, Jump | None]:
+def flange_begins(wheelset: Wheelset, track: Track, yaw: float = 0.0) -> tuple[float, Jump | None]:
     """Shift to the left [m] at which the left flange touches, and the jump of the contact there.
 
     Where the contact wanders up the flange there is no jump, and the flange begins at `STEEP`.
     """
-    _check_centred(contact_geometry(wheelset, track, [0.0]))
+    _check_centred(contact_geometry(wheelset, track, [0.0], yaw))
     for end in np.arange(0.01, FARTHEST, 0.005):
-        found = contact_geometry(wheelset, track, np.arange(0.0, end, SEARCH))
+        found = contact_geometry(wheelset, track, np.arange(0.0, end, SEARCH), yaw)
         clearance = found.flange_contact("left", float(STEEP))
         if clearance is not None:
             at = [j for j in found.jumps if j.side == "left" and j.shift == clearance]

@@ -12,26 +12,37 @@ from .fields import adding
 from .types import Quantity
 
 LENGTH = ("mm", "in", "m")
+STEEPEST = 0.2
+"""Inclination of a rail, at most."""
 
 
 class Inclination(click.ParamType):
-    """1:40, 1/40, 0.025 or 0 as a number."""
+    """1:40, 1/40, 0.025 or 0 as a number; two with a comma are left and right."""
 
     name = "inclination"
 
     def convert(
-        self, value: str | float, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float:
-        if isinstance(value, float):
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float | tuple[float, float]:
+        if not isinstance(value, str):
             return value
-        one, _, to = value.replace("/", ":").partition(":")
+        found = [self._number(text) for text in value.replace("/", ":").split(",")]
+        if len(found) > 2 or not all(abs(number) <= STEEPEST for number in found):
+            self.fail(
+                f"'{value}' is no inclination; give one such as 1:40, 1:20 or 0, or left and right "
+                "as in 1:40,1:20",
+                param,
+                ctx,
+            )
+        return found[0] if len(found) == 1 else (found[0], found[1])
+
+    @staticmethod
+    def _number(text: str) -> float:
+        one, _, to = text.partition(":")
         try:
-            found = float(one) / (float(to) if to else 1.0)
+            return float(one) / (float(to) if to else 1.0)
         except (ValueError, ZeroDivisionError):
-            found = math.nan
-        if not abs(found) <= 0.2:
-            self.fail(f"'{value}' is no inclination; give one such as 1:40, 1:20 or 0", param, ctx)
-        return found
+            return math.nan
 
 
 def _length(name: str, default: str, text: str) -> Callable[[Any], Any]:
@@ -51,8 +62,8 @@ PAIRING = (
         type=Inclination(),
         default="1:40",
         show_default=True,
-        metavar="1:N",
-        help="Of the rails, to the inside.",
+        metavar="1:N[,1:N]",
+        help="Of the rails, to the inside; or of the left and the right one.",
     ),
     click.option(
         "--say",

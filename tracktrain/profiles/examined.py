@@ -19,6 +19,8 @@ STEP = 1e-4
 """From shift to shift [m]."""
 AMPLITUDES = np.arange(0.5e-3, 10.01e-3, 0.25e-3)
 """Of the wave [m]."""
+MANY = 6
+"""Jumps on one wheel beyond which points are said to scatter."""
 NORM = 3e-3
 """Amplitude [m] at which a conicity is quoted."""
 METHODS = {
@@ -39,16 +41,25 @@ class Examined:
     yaw: float = 0.0
 
     @cached_property
-    def clearance(self) -> float:
-        """Shift at which the left flange touches [m]."""
-        return flange_begins(self.wheelset, self.track)[0]
+    def clearances(self) -> tuple[float, float]:
+        """Shifts towards the rail at which the left and the right flange touch [m]."""
+        left = flange_begins(self.wheelset, self.track, self.yaw)[0]
+        if self.alike:
+            return left, left
+        return left, flange_begins(self.wheelset.mirrored, self.track.mirrored, -self.yaw)[0]
+
+    @property
+    def alike(self) -> bool:
+        """Whether left and right are."""
+        return self.wheelset.alike and self.track.alike and self.yaw == 0
 
     @cached_property
     def geometry(self) -> ContactGeometry:
         """Contacts from beyond one flange's contact to beyond the other's."""
-        count = int(np.ceil((self.clearance + BEYOND) / STEP))
-        shifts = STEP * np.arange(-count, count + 1)
-        return contact_geometry(self.wheelset, self.track, shifts, self.yaw)
+        left, right = (int(np.ceil((clear + BEYOND) / STEP)) for clear in self.clearances)
+        return contact_geometry(
+            self.wheelset, self.track, STEP * np.arange(-right, left + 1), self.yaw
+        )
 
     @cached_property
     def conicity(self) -> Mapping[str, np.ndarray]:
@@ -65,32 +76,50 @@ class Examined:
         return difference.by_integration(amplitude)
 
     @property
-    def flange_angle(self) -> float:
-        """Steepest contact angle [rad]."""
-        return float(np.nanmax(np.abs(self.geometry.left.angle)))
+    def flange_angles(self) -> tuple[float, float]:
+        """Steepest contact angles left and right [rad]."""
+        left, right = (
+            float(np.nanmax(side.angle)) for side in (self.geometry.left, self.geometry.right)
+        )
+        return left, right
 
     def lines(self) -> list[str]:
-        """The findings, a line each, left side."""
-        centred = contact_geometry(self.wheelset, self.track, [0.0], self.yaw).left[0]
-        curved = f"curvatures of wheel {centred.wheel_curvature:.3g} and rail "
+        """The findings, a line each; of both sides where they differ."""
         found = [
-            f"centred: contact {centred.on_wheel * 1e3:+.3f} mm from the tape circle, "
-            f"{centred.on_rail * 1e3:+.3f} mm from the rail's middle, at "
-            f"{np.degrees(centred.angle):.3f} deg; {curved}{centred.rail_curvature:.3g} 1/m",
             f"equivalent conicity at {NORM * 1e3:g} mm (EN 15302, by integration): "
-            f"{self.conicity_at(NORM):.4f}",
-            f"flange: touches at a shift of {self.clearance * 1e3:.3f} mm; steepest contact "
-            f"{np.degrees(self.flange_angle):.2f} deg",
+            f"{self.conicity_at(NORM):.4f}"
         ]
-        jumps = [jump for jump in self.geometry.jumps if jump.side == "left"]
-        for jump in jumps:
-            found.append(
-                f"the contact jumps at a shift of {jump.shift * 1e3:+.3f} mm, from "
-                f"{jump.before.on_wheel * 1e3:+.2f} to {jump.after.on_wheel * 1e3:+.2f} mm on the "
-                f"wheel ({np.degrees(jump.before.angle):.2f} to "
-                f"{np.degrees(jump.after.angle):.2f} deg): both points carry there"
-            )
-        return found or ["the contact does not jump"]
+        for side, name in enumerate(("left", "right")[: 1 if self.alike else 2]):
+            found += self._side(name, side)
+        return found
+
+    def _side(self, side: str, number: int) -> list[str]:
+        """What there is to tell of one side."""
+        before = "" if self.alike else f"{side}: "
+        centred = getattr(contact_geometry(self.wheelset, self.track, [0.0], self.yaw), side)[0]
+        ahead = f", {centred.ahead * 1e3:+.3f} mm ahead" if self.yaw else ""
+        found = [
+            f"{before}centred contact {centred.on_wheel * 1e3:+.3f} mm from the tape circle, "
+            f"{centred.on_rail * 1e3:+.3f} mm from the rail's middle{ahead}, at "
+            f"{np.degrees(centred.angle):.3f} deg; curvatures of wheel "
+            f"{centred.wheel_curvature:.3g} and rail {centred.rail_curvature:.3g} 1/m",
+            f"{before}flange touches at a shift of {self.clearances[number] * 1e3:.3f} mm; "
+            f"steepest contact {np.degrees(self.flange_angles[number]):.2f} deg",
+        ]
+        jumps = [jump for jump in self.geometry.jumps if jump.side == side]
+        if len(jumps) > MANY:
+            return [
+                *found,
+                f"{before}the contact jumps {len(jumps)} times, as it does on points that scatter; "
+                "smooth them, such as by --say 'smoothing=8 mm'",
+            ]
+        return found + [
+            f"{before}contact jumps at a shift of {jump.shift * 1e3:+.3f} mm, from "
+            f"{jump.before.on_wheel * 1e3:+.2f} to {jump.after.on_wheel * 1e3:+.2f} mm on the "
+            f"wheel ({np.degrees(jump.before.angle):.2f} to "
+            f"{np.degrees(jump.after.angle):.2f} deg): both points touch there"
+            for jump in jumps
+        ]
 
     def data(self) -> dict[str, Any]:
         """Everything, for a program: SI."""
@@ -124,8 +153,8 @@ class Examined:
             "wheel": self.wheelset.left.name,
             "rail": self.track.left.name,
             "said": [*self.wheelset.left.said, *self.track.left.said],
-            "clearance": self.clearance,
-            "flange_angle": self.flange_angle,
+            "clearance": self.clearances,
+            "flange_angle": self.flange_angles,
             "conicity_at_3_mm": self.conicity_at(NORM),
             "jumps": jumps,
             "amplitude": AMPLITUDES,

@@ -30,17 +30,27 @@ class Pairing:
     tape_spacing: float = 59.5 * INCH
     gauge: float = 56.5 * INCH
     gauge_depth: float = 0.625 * INCH
-    inclination: float = 1 / 40
+    inclination: float | tuple[float, float] = 1 / 40
 
     def placed(
-        self, wheel: str | Path, rail: str | Path, says: Sequence[str] = ()
+        self,
+        wheel: str | Path,
+        rail: str | Path,
+        says: Sequence[str] = (),
+        right: tuple[str | Path | None, str | Path | None] = (None, None),
+        right_radius: float | None = None,
     ) -> tuple[Wheelset, Track]:
-        """Of files or shapes; says: `wheel.key=value`, `rail.key=value`, or `key=value` of both."""
-        wheels = profile_of(wheel, said_of("wheel", says), "wheel")
-        rails = profile_of(rail, said_of("rail", says), "rail")
+        """Of files or shapes; says: `wheel.key=value`, `rail.key=value`, or `key=value` of both.
+
+        right: wheel and rail of the right side, where it is not as the left one.
+        """
+        wheels, rails = (
+            [given and profile_of(given, said_of(kind, says), kind) for given in sides]
+            for kind, sides in (("wheel", (wheel, right[0])), ("rail", (rail, right[1])))
+        )
         return (
-            Wheelset(wheels, self.rolling_radius, self.tape_spacing),
-            Track(rails, self.gauge, self.gauge_depth, self.inclination),
+            Wheelset(wheels[0], self.rolling_radius, self.tape_spacing, wheels[1], right_radius),
+            Track(rails[0], self.gauge, self.gauge_depth, self.inclination, rails[1]),
         )
 
 

@@ -32,8 +32,8 @@ def picture(found: Examined) -> Figure:
     for axes in panels.flat[1:3]:
         axes.set_xlabel("shift to the left [mm]")
         axes.set_xlim(MILLI * found.geometry.shift[[0, -1]])
-        for side in (-1, 1):
-            axes.axvline(side * MILLI * found.clearance, color=MUTED, linestyle=":", zorder=0)
+        for clear in (found.clearances[0], -found.clearances[1]):
+            axes.axvline(MILLI * clear, color=MUTED, linestyle=":", zorder=0)
     return figure
 
 
@@ -59,7 +59,7 @@ def _profiles(axes: Axes, found: Examined) -> None:
     axes.plot(MILLI * on_track, MILLI * up, color=INK, label=found.wheelset.left.name)
     axes.plot(MILLI * rail_y, MILLI * rail_z, color=BLUE, label=found.track.left.name)
     geometry = found.geometry
-    free = np.flatnonzero(np.abs(geometry.shift) <= found.clearance + 1e-3)
+    free = np.flatnonzero(np.abs(geometry.shift) <= found.clearances[0] + 1e-3)
     points = geometry.left[free[:: max(len(free) // SHOWN, 1)]]
     wheel_z = np.interp(points.on_wheel, y, up)
     axes.plot(
@@ -72,7 +72,7 @@ def _profiles(axes: Axes, found: Examined) -> None:
     axes.set_xlabel("from the track's middle [mm]")
     axes.set_ylabel("above the rail's top [mm]")
     axes.set_ylim(bottom=-30.0)
-    axes.legend(frameon=False, loc="upper right")
+    axes.legend(frameon=False, loc="lower right")
 
 
 def _on_track(rail: PlacedRail, on_rail: np.ndarray) -> np.ndarray:
@@ -101,7 +101,7 @@ def _angles(axes: Axes, found: Examined) -> None:
 def _conicity(axes: Axes, found: Examined) -> None:
     for name, values in found.conicity.items():
         axes.plot(MILLI * AMPLITUDES, values, color=COLOURS[name], label=name)
-    axes.axvline(MILLI * found.clearance, color=MUTED, linestyle=":", zorder=0)
+    axes.axvline(MILLI * min(found.clearances), color=MUTED, linestyle=":", zorder=0)
     axes.set_title("Equivalent conicity")
     axes.set_xlabel("amplitude [mm]")
     axes.set_ylim(bottom=0.0)

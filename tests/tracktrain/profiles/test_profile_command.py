@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -19,14 +20,18 @@ def test_show_tells_and_draws_what_a_pair_does(tmp_path):
     result = ran("show", "conical", "crown", "--picture", str(picture))
     assert result.exit_code == 0, result.output
     assert "equivalent conicity at 3 mm (EN 15302, by integration): 0.0523" in result.output
-    assert "flange: touches at a shift of 8.459 mm" in result.output
+    assert "flange touches at a shift of 8.459 mm" in result.output
     assert picture.stat().st_size > 10_000
 
 
 def test_show_gives_all_contacts_as_json():
-    found = json.loads(ran("show", "conical", "crown", "--inclination", "0", "--json").output)
-    assert found["conicity_at_3_mm"] == pytest.approx(0.0523, abs=5e-4)
+    sides = ("--right-radius", "418.6 mm", "--inclination", "1:40,1:40")
+    found = json.loads(ran("show", "conical", "crown", *sides, "--json").output)
     contacts = found["contacts"]
+    assert found["conicity_at_3_mm"] == pytest.approx(0.0523, abs=5e-4)
+    level = np.interp(0.0, contacts["radius_difference"], contacts["shift"])
+    assert level == pytest.approx(-0.5e-3 / (2 * 0.0523), abs=0.3e-3)
+    assert found["clearance"][0] != found["clearance"][1]
     assert len(contacts["left.radius"]) == len(contacts["shift"]) > 100
 
 

@@ -96,6 +96,21 @@ def test_smoothing_halves_the_wave_that_it_names():
     assert np.ptp(smooth[middle]) == pytest.approx(np.ptp(wave[middle]) / 2, rel=0.02)
 
 
+def test_a_whole_section_of_a_rail_is_its_head(csv):
+    foot = np.array([[37, -40], [8, -50], [8, -130], [75, -160], [75, -172]])
+    y, z = foot.T
+    way = np.linspace(0, 1, 60)
+    leg = np.column_stack([np.interp(way, np.linspace(0, 1, 5), values) for values in (y, z)])
+    around = np.vstack([leg[::-1] * (-1, 1), RAIL, leg])[::-1]
+    said = SAID.replace("wheel", "rail")
+    found, head = profile_of(csv(around, said)).surface, profile_of(csv(RAIL, said)).surface
+    tops = [side.at(side.grid(1e-3))[:2] for side in (found, head)]
+    at = np.linspace(-0.03, 0.03, 61)
+    np.testing.assert_allclose(np.interp(at, *tops[0]), np.interp(at, *tops[1]), atol=2e-4)
+    with pytest.raises(ParameterError, match="p.csv is upside down"):
+        profile_of(csv(around * (1, -1), said))
+
+
 def test_a_missing_sign_is_asked_for(csv):
     with pytest.raises(GeometryError, match=r"'# z positive = up' or '\.\.\. = down'"):
         profile_of(csv(WHEEL, SAID.replace("z positive", "remark")))

@@ -26,6 +26,14 @@ Examples:
 @click.argument("wheel")
 @click.argument("rail")
 @pairing_options()
+@click.option("--right-wheel", metavar="WHEEL", help="If not as the left one.")
+@click.option("--right-rail", metavar="RAIL", help="If not as the left one.")
+@click.option(
+    "--right-radius",
+    type=Quantity("rolling radius", "m", ("mm", "in", "m"), "459 mm"),
+    metavar="LENGTH",
+    help="Of the right wheel, if not as that of the left one.",
+)
 @click.option(
     "--yaw",
     type=Quantity("angle", "rad", ("mrad", "deg", "rad"), "5 mrad"),
@@ -40,28 +48,24 @@ Examples:
 )
 @json_option
 def command(
-    wheel: str,
-    rail: str,
-    says: tuple[str, ...],
-    yaw: float | None,
-    picture: Path | None,
-    as_json: bool,
-    **lengths: Any,
+    wheel: str, rail: str, says: tuple[str, ...], picture: Path | None, as_json: bool, **given: Any
 ) -> None:
     """Tell how WHEEL, a file or a shape, meets RAIL: contact, conicity, jumps, flange."""
     from ....profiles.examined import Examined
     from ....profiles.pairing import Pairing
     from ....profiles.pictures import save
 
-    wheelset, track = Pairing(**lengths).placed(wheel, rail, says)
-    found = Examined(wheelset, track, yaw or 0.0)
+    right = given.pop("right_wheel"), given.pop("right_rail")
+    right_radius, yaw = given.pop("right_radius"), given.pop("yaw") or 0.0
+    wheelset, track = Pairing(**given).placed(wheel, rail, says, right, right_radius)
+    found = Examined(wheelset, track, yaw)
     if picture is not None:
         writable(picture.parent)
         save(found, picture)
     if as_json:
         print_json(**found.data())
         return
-    for profile in (wheelset.left, track.left):
+    for profile in filter(None, (wheelset.left, wheelset.right, track.left, track.right)):
         click.echo(f"{profile.kind} {profile.name}")
         for line in profile.said:
             click.echo(f"  {line}")
