@@ -116,6 +116,8 @@ class Carbody(ModalBody):
         bending, slope = beam_shape(p["half_truck_spacing"], p["body_length"])
         return {
             "mass": 1 / root_mass,
+            "inertia": ca.vertcat(root_mass, root_roll, root_yaw),
+            "height": p["centre_plate_height"] + p["gravity_centre_height"],
             "roll": 1 / root_roll,
             "roll_arm": p["gravity_centre_height"] / root_roll,
             "yaw": 1 / root_yaw,

@@ -8,6 +8,7 @@ from itertools import chain
 import casadi as ca
 
 from ..describe.block import Block, Signals
+from ..describe.variables import FRAME_INPUTS
 from .oscillator import Transition, oscillator, rigid
 from .ports import ENDS, FORCES, INPUTS, MOTIONS, RIGID, TERMINALS, motion_names
 
@@ -109,12 +110,14 @@ class ModalBody(Block):
 
     def _modal_forces(self, u: Signals, d: Signals) -> list[ca.SX]:
         """Forces on the modal coordinates, (1), or their rates, from inputs or from their rates."""
-        return ca.vertsplit(
+        forces = ca.vertsplit(
             sum(
                 (self.shape(d, end).T @ ca.vertcat(*(u[f"{end}.{name}"] for name in FORCES)))
                 for end in ENDS
             )
         )
+        carried = _carried(u, d)
+        return [force - carried.get(i, 0) for i, force in enumerate(forces)]
 
     def _coordinate_vectors(self, x: Signals, u: Signals, d: Signals) -> tuple[ca.SX, ca.SX, ca.SX]:
         """Modal coordinates, rates and accelerations, (modes, 1) each."""
@@ -124,6 +127,18 @@ class ModalBody(Block):
         restoring = 2 * d["damping"] * w * qd[first:] + w * w * q[first:]
         qdd = ca.vertcat(*self._modal_forces(u, d)) - ca.vertcat(ca.SX(first, 1), restoring)
         return q, qd, qdd
+
+
+def _carried(u: Signals, d: Signals) -> dict[int, ca.SX]:
+    """Modal forces that carry the body along with the car's frame, by the mode's place, (9)."""
+    ay, az, wx_dot, wz_dot = (u[port.name] for port in FRAME_INPUTS)
+    mass, roll, yaw = ca.vertsplit(d["inertia"])
+    return {
+        0: mass * (ay - d["height"] * wx_dot),
+        1: mass * az,
+        2: roll * wx_dot,
+        3: yaw * wz_dot,
+    }
 
 
 def _rigid_scale(d: Signals) -> dict[str, ca.SX]:

@@ -31,6 +31,8 @@ from .ports import (
     states,
 )
 
+INERTIAS = ("body_mass", "roll_inertia", "yaw_inertia")
+
 
 class ModalCarbody(ModalBody):
     """Carbody of the modes of `data`; its outputs are those of the default, and further points'.
@@ -146,6 +148,8 @@ class ModalCarbody(ModalBody):
                 )
             )
         return found | {
+            "inertia": ca.sqrt(ca.vertcat(*(p[of] for of in INERTIAS))),
+            "height": p["centre_plate_height"] - p["front.at_z"],
             "damping": ca.vertcat(*(p[f"mode[{i}].damping"] for i in numbers)),
             "frequency": 2 * pi * ca.vertcat(*(p[f"mode[{i}].frequency"] for i in numbers)),
         }

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ..describe.states import State
-from ..describe.terminals import CENTRE_PLATE, Terminal
-from ..describe.variables import Array, Constant, Input, Output, Parameter, vector
+from ..describe.terminals import CENTRE_PLATE, FRAME, Terminal
+from ..describe.variables import FRAME_INPUTS, Array, Constant, Input, Output, Parameter, vector
 
 MODAL = "kg^(1/2).m"
 """Unit of a modal coordinate. It is only a name, since FMI defines units by whole exponents."""
@@ -36,9 +36,12 @@ _RATES = {
 }
 _WORDS = {"x": "Longitudinal", "y": "Lateral", "z": "Vertical"}
 
-TERMINALS = tuple(
-    Terminal(end, CENTRE_PLATE, f"Truck under the {end} centre plate", place, prefix=f"{end}.")
-    for end, place in (("front", (50, -64)), ("rear", (-50, -64)))
+TERMINALS = (
+    *(
+        Terminal(end, CENTRE_PLATE, f"Truck under the {end} centre plate", place, prefix=f"{end}.")
+        for end, place in (("front", (50, -64)), ("rear", (-50, -64)))
+    ),
+    Terminal("frame", FRAME, "Frame that the carbody moves in", (0, -64), prefix="frame."),
 )
 
 
@@ -57,16 +60,26 @@ MASS = (
     inertia("roll", "x"),
     inertia("pitch", "y"),
     inertia("yaw", "z"),
+    Parameter(
+        "centre_plate_height",
+        "m",
+        "Height of the centre plates above the rails",
+        symbol="h_cp",
+        default=0.65405,
+    ),
 )
 
-INPUTS = tuple(
-    Input(f"{end}.{force}", unit, f"{text} on the carbody at the {end} centre plate")
-    for end in ENDS
-    for (force, unit), text in zip(
-        FORCES.items(),
-        ("Lateral force", "Vertical force, beyond the static,", "Roll moment", "Yaw moment"),
-        strict=True,
-    )
+INPUTS = (
+    *(
+        Input(f"{end}.{force}", unit, f"{text} on the carbody at the {end} centre plate")
+        for end in ENDS
+        for (force, unit), text in zip(
+            FORCES.items(),
+            ("Lateral force", "Vertical force, beyond the static,", "Roll moment", "Yaw moment"),
+            strict=True,
+        )
+    ),
+    *FRAME_INPUTS,
 )
 
 CENTRE_OF_GRAVITY = (

@@ -54,10 +54,15 @@ RAILS = Joint(
     (
         *(f"rail_{motion}_{side}" for motion in ("y", "z", "az") for side in ("left", "right")),
         "speed",
+        "path_yaw",
+        "path_curvature",
     ),
 )
 """A track under one axle: its wheelset takes the lateral displacements, its truck the vertical
 ones and their accelerations."""
+
+FRAME = Joint("frame", "bus", ("ay", "az", "wx_dot", "wz_dot"))
+"""A track that carries the car's frame along a curve, and a body that moves in that frame."""
 
 
 @dataclass(frozen=True)

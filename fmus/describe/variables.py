@@ -47,6 +47,18 @@ class Input(Variable):
     optional: bool = False
 
 
+FRAME_INPUTS = tuple(
+    Input(f"frame.{name}", unit, f"{text} of the car's frame in a curve", optional=True)
+    for name, unit, text in (
+        ("ay", "m/s2", "Lateral acceleration, less gravity's,"),
+        ("az", "m/s2", "Vertical acceleration, less gravity's beyond g,"),
+        ("wx_dot", "rad/s2", "Roll acceleration"),
+        ("wz_dot", "rad/s2", "Yaw acceleration"),
+    )
+)
+"""What moves a body that stands still in the frame; zero on straight track."""
+
+
 @dataclass(frozen=True)
 class Output(Variable):
     """A port that the model writes; `derivative_of` names the output whose rate it is."""

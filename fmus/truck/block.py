@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import casadi as ca
 
 from ..describe.block import Signals
+from ..describe.variables import FRAME_INPUTS
 from .contact import Bolster, Hung
 from .joints import Assembly, Joints, Motion
 from .mass import mass_matrix
@@ -113,6 +114,11 @@ class Truck(ThreePieceTruck):
             a[3],
             -by_vertical * (vertical + joints.plate.force_z),
         ]
+
+    def carried(self, u: Signals, p: Signals) -> Motion:
+        ay, az, wx_dot, wz_dot = (u[port.name] for port in FRAME_INPUTS)
+        none = ca.SX(0)
+        return [ay - p["half_wheelbase"] * wz_dot, wz_dot, wx_dot, none, none, az]
 
     def start(self, p: Signals) -> tuple[Motion, Motion]:
         q = [p[f"initial.{name}"] for name in COORDINATES]

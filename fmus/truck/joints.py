@@ -137,7 +137,8 @@ def joints_of(
     rails = Rails(
         weight=2 * p["axle_load"] + d["unsprung_mass"] * ca.sum1(inertia) / 4,
         moment=d["unsprung_roll_inertia"] * (ca.DM([[1, -1, 1, -1]]) @ inertia)
-        / (4 * p["half_contact_spacing"]),
+        / (4 * p["half_contact_spacing"])
+        - d["tipping_mass"] * u["frame.ay"],
         height=p["centre_plate_height"],
         half_spacing=p["half_contact_spacing"],
     )  # fmt: skip

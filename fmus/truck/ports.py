@@ -5,8 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ..describe.states import State
-from ..describe.terminals import CENTRE_PLATE, RAILS, WHEELSET, Terminal
-from ..describe.variables import Array, Input, Output, Parameter, Tangent, Variable, choice, vector
+from ..describe.terminals import CENTRE_PLATE, FRAME, RAILS, WHEELSET, Terminal
+from ..describe.variables import (
+    FRAME_INPUTS,
+    Array,
+    Input,
+    Output,
+    Parameter,
+    Tangent,
+    Variable,
+    choice,
+    vector,
+)
 
 AXLES = (1, 2)
 SIDES = ("left", "right")
@@ -112,6 +122,7 @@ PARAMETERS = (
     _length("half_contact_spacing", "L_Y", "Half distance of the contact points of a wheelset"),
     _length("half_side_frame_spacing", "d", "Half distance of the side frames"),
     _length("centre_plate_height", "h_cp", "Height of the centre plate above the rails"),
+    _length("mass_height", "h_t", "Height of the truck's own centre of gravity above the rails"),
     Parameter(
         "axle_load", "N", "Static weight on the rails of one axle", symbol="W_axle", minimum=1.0
     ),
@@ -238,6 +249,7 @@ INPUTS = (
         for load, load_unit in SHARES.items()
         for motion, unit in OWN_MOTION.items()
     ),
+    *FRAME_INPUTS,
 )
 
 TANGENTS = tuple(
@@ -346,6 +358,7 @@ TERMINALS = (
         Terminal(f"rails[{k}]", RAILS, f"Rails under axle {k}", (x, -80), prefix=f"axle[{k}].")
         for k, x in _AXLE_PLACE.items()
     ),
+    Terminal("frame", FRAME, "Frame that the truck moves in", (0, -80), prefix="frame."),
 )
 
 

@@ -70,6 +70,10 @@ class ThreePieceTruck(Block):
         """Accelerations of the coordinates under the joints' forces and the wheels' loads."""
 
     @abstractmethod
+    def carried(self, u: Signals, p: Signals) -> Motion:
+        """Accelerations of the coordinates of a truck that stands still in its frame, (20)."""
+
+    @abstractmethod
     def start(self, p: Signals) -> tuple[Motion, Motion]:
         """Coordinates and rates at the start."""
 
@@ -113,6 +117,7 @@ class ThreePieceTruck(Block):
             "compliance": ca.vertcat(
                 *(1 / ca.fmax(p[f"{n}.friction_stiffness"], 1e-30) for n in names)
             ),
+            "tipping_mass": (below_springs / GRAVITY + p["bolster_mass"]) * p["mass_height"],
             "unsprung_mass": below_springs / GRAVITY,
             "unsprung_roll_inertia": 2
             * (
@@ -180,7 +185,7 @@ class ThreePieceTruck(Block):
         def acceleration(at: Signals, q: Motion, qd: Motion) -> Motion:
             loads = _axle_loads(at, u, self.axles(q, qd, p), start_motion)
             joints = joints_of(self, q, qd, slip, at, p, d, touching=touching)
-            return self.acceleration(joints, loads, p, d)
+            return self._accelerations(joints, loads, at, p, d)
 
         # For y'' = a(t, y, y') the classical step needs the accelerations only.
         half, sixth = 0.5 * h, h / 6
@@ -248,7 +253,8 @@ class ThreePieceTruck(Block):
         """(3) with the sliders where they are; an element at its limit gives no stiffness."""
         q, qd, slip = self._coordinates(x)
         loads = {f"axle[{k}].{name}": u[f"axle[{k}].{name}"] for k in AXLES for name in SHARES}
-        acceleration = self.acceleration(joints_of(self, q, qd, slip, u, p, d), loads, p, d)
+        joints = joints_of(self, q, qd, slip, u, p, d)
+        acceleration = self._accelerations(joints, loads, u, p, d)
         return {**numbered(self.place, qd), **numbered(f"{self.place}d", acceleration)}
 
     def event_indicators(
@@ -290,6 +296,13 @@ class ThreePieceTruck(Block):
             for i, m in enumerate(mode.values())
         ]
         return numbered("slip", slips_after(joints, slip)), numbered("slider", modes)
+
+    def _accelerations(
+        self, joints: Joints, loads: Signals, u: Signals, p: Signals, d: Signals
+    ) -> Motion:
+        """Those in the car's frame: that of the frame itself is none of them, (20)."""
+        absolute = self.acceleration(joints, loads, p, d)
+        return [a - b for a, b in zip(absolute, self.carried(u, p), strict=True)]
 
     def _coordinates(self, x: Signals) -> tuple[Motion, Motion, Motion]:
         """Coordinates, rates and slips out of the states."""

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import casadi as ca
 
 from ..describe.block import Signals
+from ..describe.variables import FRAME_INPUTS
 from ..truck.contact import Bolster, Hung
 from ..truck.joints import Assembly, Joints, Motion
 from ..truck.ports import COORDINATES as SHAPES_AT_START
@@ -20,7 +21,17 @@ from ..truck.three_piece import (
     rails_under,
     strain_ratios,
 )
-from .bodies import AXLE_OF, ELEMENTS, KEPT, SIDES, Element, inertias, kept_columns, strain_matrix
+from .bodies import (
+    AXLE_OF,
+    ELEMENTS,
+    KEPT,
+    SIDES,
+    Element,
+    centre,
+    inertias,
+    kept_columns,
+    strain_matrix,
+)
 from .ports import ARRAYS, MODES, OUTPUTS, PARAMETERS, STATES
 from .reduction import projection, shapes, shares
 
@@ -113,6 +124,15 @@ class TruckJoints(ThreePieceTruck):
         forces[HEIGHT] -= joints.plate.force_z
         forces[ROLL] -= joints.plate.moment_x
         return ca.vertsplit(d["mobility"] * ca.vertcat(*forces))
+
+    def carried(self, u: Signals, p: Signals) -> Motion:
+        ay, az, wx_dot, wz_dot = (u[port.name] for port in FRAME_INPUTS)
+        turns = {"z": az, "roll": wx_dot, "yaw": wz_dot}
+        found = []
+        for body, way in KEPT:
+            x, y = centre(body, p)
+            found.append({**turns, "x": -y * wz_dot, "y": ay + x * wz_dot}[way])
+        return found
 
     def start(self, p: Signals) -> tuple[Motion, Motion]:
         """The six shapes at the start."""

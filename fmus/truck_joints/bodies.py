@@ -55,6 +55,12 @@ _CENTRES: dict[str, Place] = {
 }
 
 
+def centre(body: str, p: Signals) -> tuple[ca.SX, ca.SX]:
+    """Where a body's centre of gravity is in the truck's plan [m]."""
+    x, y = _CENTRES[body]
+    return x * p["half_wheelbase"], y * p["half_side_frame_spacing"]
+
+
 @dataclass(frozen=True)
 class Joint:
     """Where body `a` meets body `b` (None: the carbody), and the directions that it holds.

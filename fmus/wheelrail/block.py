@@ -40,7 +40,14 @@ _PER_WHEEL = {
     "creep_y": ("1", "Lateral creepage of the {} wheel", 1e-3),
     "l_over_v": ("1", "Outward force of the {} wheel on its rail over its load", 0.1),
     "saturation": ("1", "Creep force of the {} wheel over its friction limit", 0.1),
+    "wear_number": ("N", "T gamma of the {} wheel: what its creep forces lose, per metre", 10.0),
 }
+
+_PATH = {
+    "path_yaw": ("rad", "Yaw of the way that the car's frame takes over the ground here"),
+    "path_curvature": ("1/m", "Curvature of that way, positive to the left"),
+}
+"""Zero on straight track."""
 
 
 def _positive(name: str, unit: str, text: str, symbol: str, tunable: bool = False) -> Parameter:
@@ -118,6 +125,7 @@ class WheelRail(Block):
         Input(
             "torque", "N.m", "Driving torque on the wheelset; below zero it brakes", optional=True
         ),
+        *(Input(name, unit, text, optional=True) for name, (unit, text) in _PATH.items()),
     )
     outputs = (
         Output("force_y", "N", "Lateral force on the wheelset", nominal=1e4),
@@ -280,6 +288,8 @@ class WheelRail(Block):
                 f"{side}.creep_y": creep_y,
                 f"{side}.l_over_v": outward / load,
                 f"{side}.saturation": resultant / (p["friction_coefficient"] * load),
+                f"{side}.wear_number": ca.fabs(force_x * creep_x)
+                + ca.fabs(creep_force_y * creep_y),  # (24)
                 f"{side}.load_ratio": u[f"load_{side}"] / (0.5 * p["axle_load"]),
                 f"{side}.clearance": -_overlap(sign, off_rail, p),
             }
@@ -309,9 +319,10 @@ def floor_ratio(u: Signals, p: Signals) -> ca.SX:
 
 
 def motion(u: Signals, p: Signals) -> tuple[ca.SX, ca.SX]:
-    """Lateral creepage [1] and turning [1/m] of a wheelset over its rails, (1), (2)."""
+    """Lateral creepage [1] and turning [1/m] of a wheelset over the ground, (2), (23)."""
     speed = speed_of(u, p)
-    return u["vy"] / speed - u["yaw"], u["wz"] / speed  # report (5-11), erratum 1
+    creep_y = u["vy"] / speed - u["yaw"] + u["path_yaw"]  # report (5-11), erratum 1
+    return creep_y, u["wz"] / speed + u["path_curvature"]
 
 
 def relative(u: Signals) -> ca.SX:

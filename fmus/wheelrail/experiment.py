@@ -54,6 +54,7 @@ def _solve(values: Values) -> tuple[Table, Table]:
             f"{side}.l_over_v": -sign * (force_y + flange + gravity / 2) / load,
             f"{side}.saturation": np.hypot(force_x, force_y)
             / (values["friction_coefficient"] * load),
+            f"{side}.wear_number": np.abs(force_x * creep_x) + np.abs(force_y * creep_y),
             f"{side}.load_ratio": load / (values["axle_load"] / 2),
             f"{side}.clearance": values["flange_clearance"] - sign * off,
         }
