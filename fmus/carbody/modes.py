@@ -10,7 +10,7 @@ import numpy as np
 
 from ..describe.variables import Values
 from .modal_data import DIRECTIONS, ENDS, ModalData
-from .ports import BEAM_WAVE_NUMBER, INPUTS, MODES, MOTIONS
+from .ports import BEAM_WAVE_NUMBER, MODES, MOTIONS, PLATE_LOADS
 
 PLATES = {"front": 1, "rear": -1}
 
@@ -29,7 +29,7 @@ class ClosedForm:
 
     def on_modes(self, loads: Values) -> np.ndarray:
         """Modal forces (modes,) of loads [N, N.m] by the name of their port."""
-        forces = np.array([loads.get(port.name, 0.0) for port in INPUTS])
+        forces = np.array([loads.get(port.name, 0.0) for port in PLATE_LOADS])
         return np.hstack([self.shapes[end].T for end in PLATES]) @ forces
 
     def after(self, state: np.ndarray, force: Values, ramp: Values, duration: float) -> np.ndarray:

@@ -69,18 +69,16 @@ MASS = (
     ),
 )
 
-INPUTS = (
-    *(
-        Input(f"{end}.{force}", unit, f"{text} on the carbody at the {end} centre plate")
-        for end in ENDS
-        for (force, unit), text in zip(
-            FORCES.items(),
-            ("Lateral force", "Vertical force, beyond the static,", "Roll moment", "Yaw moment"),
-            strict=True,
-        )
-    ),
-    *FRAME_INPUTS,
+PLATE_LOADS = tuple(
+    Input(f"{end}.{force}", unit, f"{text} on the carbody at the {end} centre plate")
+    for end in ENDS
+    for (force, unit), text in zip(
+        FORCES.items(),
+        ("Lateral force", "Vertical force, beyond the static,", "Roll moment", "Yaw moment"),
+        strict=True,
+    )
 )
+INPUTS = (*PLATE_LOADS, *FRAME_INPUTS)
 
 CENTRE_OF_GRAVITY = (
     Output("cg.y", "m", "Lateral displacement of the centre of gravity", nominal=1e-2),

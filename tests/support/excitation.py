@@ -10,6 +10,7 @@ STEP = 1e-3
 def scaled_inputs(instance, rng, names=None):
     """Random inputs of a plausible size: a few mm and mrad, tens of kN, tens of m/s."""
     size = {"m": 5e-3, "rad": 2e-3, "m/s": 0.1, "rad/s": 0.05, "N": 2e4, "N.m": 1e4}
+    size |= {"m/s2": 1.0, "rad/s2": 0.05, "1/m": 1e-3}
     values = {}
     for name in names or instance.names("input"):
         unit = instance.variables[name].unit

@@ -8,9 +8,10 @@ import pytest
 import tolerances
 from fmus.carbody.block import ELASTIC, ENDS, Carbody
 from fmus.carbody.modes import beam_shape, mode_shapes, motion_after
+from fmus.carbody.ports import PLATE_LOADS
 from fmus.describe.twin import Twin
 
-PORTS = [port.name for port in Carbody.inputs]
+PORTS = [port.name for port in PLATE_LOADS]
 INITIAL = [p.name for p in Carbody.parameters if p.name.startswith("initial.")]
 
 

@@ -87,7 +87,7 @@ def test_missing_optional_port_and_parameter_do_not_keep_it_out(tmp_path: Path) 
 
     code, said, verdict = check(variant(tmp_path, "wheelrail", edit), "wheelrail")
     assert code == 0
-    assert "optional 18 of 19; without y_rel" in said
+    assert "optional 22 of 23; without y_rel" in said
     assert re.search(r"parameters (\d+) of (\d+); without conicity", said)
     assert verdict == "variant.fmu can stand in for the block wheelrail."
 
