@@ -8,7 +8,6 @@ from pathlib import Path
 
 from fmus.profiles import tables
 from fmus.profiles.geometry import Track, Wheelset
-from fmus.profiles.profile import Kind
 from fmus.wheelrail.contact_table import ContactTable
 from orchestrator import choices
 
@@ -44,17 +43,17 @@ class Pairing:
 
         right: wheel and rail of the right side, where it is not as the left one.
         """
-        wheels, rails = (
-            [given and profile_of(given, said_of(kind, says), kind) for given in sides]
-            for kind, sides in (("wheel", (wheel, right[0])), ("rail", (rail, right[1])))
-        )
+        on_wheel, on_rail = (said_of(kind, says) for kind in ("wheel", "rail"))
+        left = profile_of(wheel, on_wheel, "wheel"), profile_of(rail, on_rail, "rail")
+        other_wheel = profile_of(right[0], on_wheel, "wheel") if right[0] else None
+        other_rail = profile_of(right[1], on_rail, "rail") if right[1] else None
         return (
-            Wheelset(wheels[0], self.rolling_radius, self.tape_spacing, wheels[1], right_radius),
-            Track(rails[0], self.gauge, self.gauge_depth, self.inclination, rails[1]),
+            Wheelset(left[0], self.rolling_radius, self.tape_spacing, other_wheel, right_radius),
+            Track(left[1], self.gauge, self.gauge_depth, self.inclination, other_rail),
         )
 
 
-def said_of(kind: Kind, says: Sequence[str]) -> list[str]:
+def said_of(kind: str, says: Sequence[str]) -> list[str]:
     """What is said of one of the two; raises GeometryError for what is said of neither."""
     found = []
     for text in says:
