@@ -302,3 +302,6 @@ the largest value of a variable: the same sums in another order. Measured: 4e-13
 
 OWN_MODES_TRUCK = 1e-11
 """The same for what the carbody drives, stiff contacts among it. Measured: 2e-12."""
+
+NADAL = 0.02
+"""L/V of a flange whose creep forces are nearly, not wholly, lateral."""

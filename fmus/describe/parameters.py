@@ -92,7 +92,8 @@ class ParameterSet:
     def values(self, block: Block) -> dict[str, float]:
         """Values [SI] of all parameters of a block; raises ParameterError for a gap."""
         known = {parameter.name for parameter in block.parameters}
-        for name in self.entries.get(block.name, {}):
+        own = {} if block.stands_for else self.entries.get(block.name, {})
+        for name in own:
             if name not in known:
                 raise ParameterError(
                     f"{self.path.name}: [{block.name}] gives {name!r}, which is no parameter of "

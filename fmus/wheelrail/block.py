@@ -63,7 +63,7 @@ class WheelRail(Block):
 
     name = "wheelrail"
     description = "Wheelset on two rails: creep, gravity, flange contact"
-    parameters = (
+    parameters: Sequence[Parameter] = (
         choice("creep_law", "Law of the creep forces", CREEP_LAWS),
         _positive("half_contact_spacing", "m", "Half distance of the contact points", "L_Y"),
         _positive("rolling_radius", "m", "Nominal rolling radius", "r_0"),
@@ -222,7 +222,7 @@ class WheelRail(Block):
             found = self._outputs(law, *at)
             return [ca.vertcat(*(found[n] for n in outputs or (v.name for v in self.outputs)))]
 
-        forces = self._of_signals("forces", kind, wanted, "common")
+        forces = self._of_signals("forces", kind, wanted, common=(1, 1))
         # Without a root to find all is one expression, which costs least.
         outer: Any = ca.MX if law else ca.SX
         x, lookup = outer(0, 1), outer(0, 0)
@@ -235,10 +235,15 @@ class WheelRail(Block):
             name or law_name, [x, u, p, d, lookup], [forces(u, p, d, common)], options or {}
         )
 
-    def _of_signals(self, name: str, kind: Any, function: Callable[..., Any], *more: str) -> Any:
-        """CasADi function of u, p, d and further symbols, out of one of their signals."""
+    def _of_signals(
+        self, name: str, kind: Any, function: Callable[..., Any], **more: tuple[int, int]
+    ) -> Any:
+        """CasADi function of u, p, d and more symbols of a shape, out of one of their signals."""
         u, p = (kind.sym(n, len(v)) for n, v in (("u", self.inputs), ("p", self.parameters)))
-        d, further = kind.sym("d", len(self.derived_shapes)), [kind.sym(n) for n in more]
+        d, further = (
+            kind.sym("d", len(self.derived_shapes)),
+            [kind.sym(n, *s) for n, s in more.items()],
+        )
         found = function(
             by_name((port.name for port in self.inputs), u),
             by_name((parameter.name for parameter in self.parameters), p),

@@ -1,0 +1,119 @@
+"""What the wheelset's equations read of a contact, as smooth functions of shift or climb."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import casadi as ca
+import numpy as np
+from scipy.interpolate import make_interp_spline
+
+from .contact_table import FEWEST, ContactTable, Patch
+from .hertz import semi_axes
+from .kalker import COEFFICIENTS, coefficients
+
+DEGREE = 3
+"""Of the splines: curvature is continuous."""
+
+KINEMATIC = ("widening", "leverage", "sine", "cosine", "camber", "arm", "ahead")
+"""Columns of the place of a contact and of the plane that it lies in.
+
+widening: rolling radius over the nominal one, less 1; leverage: the ratio itself
+sine, cosine: of the angle between contact plane and track plane
+camber: spin of a wheel that rolls straight on, 1/m
+arm: lateral distance from the middle of the wheelset, m
+ahead: how far the contact moves forwards per angle of yaw, m
+"""
+
+ELASTIC = ("a", "b", "g11", "g22", "g23", "g33")
+"""Semi-axes for a load N over (N (1 - nu)/G)^(1/3), m^(1/3), and Kalker's coefficients likewise."""
+
+LINEAR = "linear"
+"""The law that has its coefficients given, and asks for no ellipse."""
+
+
+class Columns:
+    """Columns of tread and flange by patch, and the splines through them.
+
+    poisson_ratio: of wheel and rail. small_angles: cosines and leverages are 1, sines are tangents,
+    arms and curvatures along are those of the nominal contact, as for the coned wheelset.
+    """
+
+    def __init__(
+        self, table: ContactTable, poisson_ratio: float, small_angles: bool = False
+    ) -> None:
+        self.table = table
+        self.patches = table.patches()
+        if table.flange is not None:
+            self.patches["flange"] = _from_steepest(table.flange)
+        self.values = {
+            name: _columns(patch, table, poisson_ratio, small_angles)
+            for name, patch in self.patches.items()
+        }
+
+    def first(self, patch: str) -> dict[str, float]:
+        """Columns of a patch at its first node."""
+        return {name: float(column[0]) for name, column in self.values[patch].items()}
+
+    def spline(self, patch: str, names: Sequence[str]) -> ca.Function:
+        """(shift or climb [m]) -> columns of these names; held beyond the ends."""
+        over = self.patches[patch].over
+        nodes = np.array([self.values[patch][name] for name in names]).T
+        fitted = make_interp_spline(over, nodes, DEGREE)
+        inside = ca.Function.bspline(
+            patch, [list(fitted.t)], list(fitted.c.ravel()), [DEGREE], len(names)
+        )
+        at = ca.MX.sym("at")
+        held = ca.fmin(ca.fmax(at, float(over[0])), float(over[-1]))
+        return ca.Function(f"{patch}_{len(names)}", [at], [inside(held)])
+
+
+def _from_steepest(flange: Patch) -> Patch:
+    """The flange from its steepest contact on: where the contact wanders there without a jump, the
+    rail's give bridges the way."""
+    first = min(int(np.argmax(flange.angle)), flange.over.size - FEWEST)
+    rest = {name: column[first:] for name, column in flange.columns().items()}
+    return Patch(**{**rest, "over": rest["over"] - rest["over"][0]})
+
+
+def _columns(
+    patch: Patch, table: ContactTable, poisson_ratio: float, small_angles: bool
+) -> dict[str, np.ndarray]:
+    nominal, one = table.rolling_radius, np.ones_like(patch.over)
+    ratio, on_wheel = patch.radius / nominal, patch.angle - patch.roll
+    if small_angles:
+        found = {
+            "leverage": one,
+            "sine": np.tan(patch.angle),
+            "cosine": one,
+            "camber": np.tan(on_wheel) / nominal,
+            "arm": table.half_spacing * one,
+            "ahead": -table.half_spacing * one,
+        }
+        along = one / nominal
+    else:
+        found = {
+            "leverage": ratio,
+            "sine": np.sin(patch.angle),
+            "cosine": np.cos(patch.angle),
+            "camber": np.sin(on_wheel) / nominal,
+            "arm": patch.place,
+            "ahead": patch.radius * np.tan(on_wheel) - patch.place,
+        }
+        along = np.cos(on_wheel) / patch.radius
+    across = patch.wheel_curvature + patch.rail_curvature
+    ellipses = _ellipses()(along, across, poisson_ratio)
+    shapes = dict(zip(ELASTIC, np.array(ellipses).reshape(len(ELASTIC), -1), strict=True))
+    return {"widening": ratio - 1, **found, **shapes}
+
+
+def _ellipses() -> ca.Function:
+    """(curvature along and across, Poisson's ratio) -> the columns `ELASTIC`, for any contacts."""
+    along, across, poisson = (ca.SX.sym(name) for name in ("along", "across", "poisson"))
+    # under N (1 - nu)/G = 1 an ellipse depends on its curvatures alone
+    a, b = semi_axes(0.5 * along, 0.5 * across, ca.SX(1), ca.SX(1), ca.SX(0))
+    c11, c22, c23, c33 = coefficients(a, b, poisson)
+    area = a * b
+    found = [a, b, area * c11, area * c22, area**1.5 * c23, area**2 * c33]
+    assert len(found) == 2 + len(COEFFICIENTS)
+    return ca.Function("ellipse", [along, across, poisson], found)

@@ -1,0 +1,179 @@
+"""The wheelrail block on real profiles: the same ports, contact geometry from a table."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import casadi as ca
+
+from ..describe.block import Signals
+from ..describe.variables import Constant, Output
+from .block import SIDES, WheelRail, by_name
+from .columns import ELASTIC, KINEMATIC, LINEAR, Columns
+from .contact_table import ContactTable
+from .creep import LAWS
+from .rolling import Rotation, common_creepage, in_proportion
+from .touching import Wheels
+
+FROM_TABLE = (
+    "half_contact_spacing",
+    "rolling_radius",
+    "conicity",
+    "flange_clearance",
+    "poisson_ratio",
+    "rail_transverse_radius",
+    "wheel_transverse_curvature",
+)
+"""Parameters of the coned wheelset that a table of contact geometry takes the place of."""
+
+_PER_WHEEL = {
+    "normal_force": ("N", "Normal force at the tread of the {} wheel", 1e5),
+    "flange_force": ("N", "Normal force at the flange of the {} wheel", 1e5),
+    "contact_angle": ("rad", "Angle of the {} wheel's steepest contact to the track plane", 0.1),
+    "climb": ("m", "Shift of the {} wheel beyond flange contact, up the flange", 1e-3),
+}
+
+
+class ProfiledWheelRail(WheelRail):
+    """One wheelset on profiles. Equation numbers: README.md of this folder.
+
+    geometry: of the contacts. poisson_ratio: of wheel and rail. name: of the block, letters, digits
+    and _. small_angles: as of `Columns`.
+    """
+
+    home = "wheelrail"
+    stands_for = "wheelrail"
+    parameters = tuple(p for p in WheelRail.parameters if p.name not in FROM_TABLE)
+    outputs = (
+        *WheelRail.outputs,
+        *(
+            Output(f"{side}.{name}", unit, text.format(side), nominal=nominal)
+            for side in SIDES
+            for name, (unit, text, nominal) in _PER_WHEEL.items()
+        ),
+    )
+    constants = (
+        Constant("rolling_radius", "m", "Nominal rolling radius of the table"),
+        Constant("half_contact_spacing", "m", "Half distance of the contacts when centred"),
+        Constant("flange_clearance", "m", "Shift at which a flange touches"),
+        Constant("flange_angle", "rad", "Steepest contact angle of the table"),
+        Constant("nadal_limit", "1", "Nadal's limit of l_over_v at that angle and the friction"),
+    )
+
+    def __init__(
+        self,
+        geometry: ContactTable,
+        poisson_ratio: float,
+        name: str = "wheelrail",
+        small_angles: bool = False,
+    ) -> None:
+        self.geometry, self.name, self.poisson_ratio = geometry, name, poisson_ratio
+        self.columns = Columns(geometry, poisson_ratio, small_angles)
+        self.description = f"Wheelset on two rails, profiles {geometry.name!r}: creep, flange"
+
+    def constant(self, p: Signals, d: Signals) -> Signals:
+        slope, mu = ca.tan(self.geometry.flange_angle), p["friction_coefficient"]
+        return {
+            "rolling_radius": ca.SX(self.geometry.rolling_radius),
+            "half_contact_spacing": ca.SX(self.geometry.half_spacing),
+            "flange_clearance": ca.SX(self.geometry.clearance),
+            "flange_angle": ca.SX(self.geometry.flange_angle),
+            "nadal_limit": (slope - mu) / (1 + mu * slope),  # Nadal (1896)
+        }
+
+    def derived(self, p: Signals) -> Signals:
+        """Compliance [1/Pa], and the lateral creepage [1] that asks a flange for its friction."""
+        compliance = (1 - self.poisson_ratio) / p["shear_modulus"]
+        if self.geometry.flange is None:
+            return {"compliance": compliance, "sliding": ca.SX(1)}
+        g22, load = self.columns.first("flange")["g22"], 0.5 * p["axle_load"]
+        stiffness = p["shear_modulus"] * g22 * (load * compliance) ** (2 / 3)
+        return {
+            "compliance": compliance,
+            "sliding": p["friction_coefficient"] * load / stiffness,
+        }
+
+    def event_indicators(
+        self, x: Signals, u: Signals, p: Signals, d: Signals, mode: Signals
+    ) -> Signals:
+        """(21)"""
+        wheels = self._wheels(LINEAR, u, p, d)
+        left = {side: self.geometry.clearance - wheels.shift(side) for side in SIDES}
+        return {
+            f"{side}.clearance": ca.if_else(p["flange_stiffness"] > 0, clearance, 1)
+            for side, clearance in left.items()
+        }
+
+    def _branch(
+        self,
+        law_name: str,
+        rotation: Rotation,
+        options: dict[str, Any] | None = None,
+        *,
+        name: str | None = None,
+        outputs: Sequence[str] | None = None,
+    ) -> ca.Function:
+        """As of the coned wheelset; flanges cost nothing while neither touches its rail."""
+        wanted = [*(outputs or (v.name for v in self.outputs))]
+        x, lookup = ca.MX(0, 1), ca.MX(0, 0)
+        every = self._touching(law_name, rotation, tuple(self.geometry.patches()), wanted)
+        u, p, d = every.mx_in()
+        if self.geometry.flange is None or (outputs is None and rotation is not common_creepage):
+            # what is asked for seldom, or for what depends on what: a choice would hide that
+            found = every(u, p, d)
+        else:
+            treads = self._touching(law_name, rotation, ("tread",), wanted)
+            touching = self._of_signals("overlap", ca.SX, self._largest_overlap)(u, p, d)
+            found = ca.Function.if_else("by_flange", every, treads)(touching > 0, u, p, d)
+        return ca.Function(name or law_name, [x, u, p, d, lookup], [found], options or {})
+
+    def _largest_overlap(self, *at: Signals) -> list[ca.SX]:
+        wheels = self._wheels(LINEAR, *at)
+        return [ca.fmax(*(wheels.overlap(side) for side in SIDES))]
+
+    def _wheels(self, law: str, u: Signals, p: Signals, d: Signals) -> Wheels:
+        return Wheels(law, self.columns, u, p, d)
+
+    def _touching(
+        self, law: str, rotation: Rotation, patches: Sequence[str], wanted: Sequence[str]
+    ) -> ca.Function:
+        """(u, p, d) -> outputs of a wheelset that touches with these patches of both wheels."""
+        kind: Any = ca.MX if law == "fastsim" else ca.SX  # the grid stays a loop in C
+        names = KINEMATIC + ELASTIC * (law != LINEAR)
+        spots = [(side, patch) for patch in patches for side in SIDES]
+
+        def by_spot(columns: Any) -> dict[tuple[str, str], Signals]:
+            rows = (by_name(names, column) for column in ca.horzsplit(columns))
+            return dict(zip(spots, rows, strict=True))
+
+        def places(*at: Any) -> list[Any]:
+            return [ca.vertcat(*self._wheels(law, *at).places()[: len(spots)])]
+
+        def contacts(u: Any, p: Any, d: Any, columns: Any) -> list[Any]:
+            wheels = self._wheels(law, u, p, d)
+            return wheels.rotation(wheels.touches(by_spot(columns)))
+
+        def forces(u: Any, p: Any, d: Any, columns: Any, common: Any) -> list[Any]:
+            wheels = self._wheels(law, u, p, d)
+            found = wheels.outputs(wheels.touches(by_spot(columns)), common)
+            return [ca.vertcat(*(found[name] for name in wanted))]
+
+        u, p = (ca.MX.sym(n, len(v)) for n, v in (("u", self.inputs), ("p", self.parameters)))
+        d = ca.MX.sym("d", len(self.derived_shapes))
+        at = ca.vertsplit(self._of_signals("places", ca.SX, places)(u, p, d))
+        splines = {patch: self.columns.spline(patch, names) for patch in patches}
+        columns = ca.horzcat(*(splines[patch](at[i]) for i, (_, patch) in enumerate(spots)))
+        shape = {"columns": columns.shape}
+        touching = self._of_signals("contacts", ca.SX, contacts, **shape)(u, p, d, columns)
+        if law == LINEAR:
+            common = in_proportion(*touching)
+        else:
+            common = rotation(LAWS[law], kind, len(spots))(*touching)
+        result = self._of_signals("forces", kind, forces, **shape, common=(1, 1))
+        return ca.Function(
+            f"{'_'.join(patches)}_{law}",
+            [u, p, d],
+            [result(u, p, d, columns, common)],
+            {"is_diff_in": [True, False, False]},  # none asks for derivatives by parameters
+        )

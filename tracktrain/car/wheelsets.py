@@ -1,0 +1,65 @@
+"""Wheelsets on real profiles: from a wheel's and a rail's profile into a car."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from fmus.export.wheelrail import wheelrail_fmu
+from fmus.wheelrail.contact_table import ContactTable
+from fmus.wheelrail.profiled import FROM_TABLE
+from orchestrator import System, in_unit
+
+from .changes import swapped
+from .hopper import layout_of
+
+SPACING_TOLERANCE = 0.02
+"""Part by which the contacts may be elsewhere than the trucks have them before it is said."""
+
+
+def nominal_radius(system: System) -> float:
+    """Rolling radius of the car's wheels [m]."""
+    wheelset = layout_of(system).leading.wheelset
+    radius = system.components[wheelset].parameters["rolling_radius"]
+    return in_unit(radius, "m", "rolling_radius")
+
+
+def with_profiles(system: System, table: ContactTable) -> tuple[System, list[str]]:
+    """The car with all four wheelsets on the profiles of a contact table; and notes.
+
+    The FMU is built when it is first asked for. Raises HopperError.
+    """
+    fmu = wheelrail_fmu(table)
+    layout = layout_of(system)
+    wheelsets = [w for truck in layout.trucks for w in truck.wheelsets]
+    notes = [f"profiles {table.name}: {'; '.join(table.said)}"]
+    for instance in wheelsets:
+        coned = system.components[instance]
+        kept = {name: v for name, v in coned.parameters.items() if name not in FROM_TABLE}
+        components = {**system.components, instance: replace(coned, parameters=kept)}
+        system, said = swapped(replace(system, components=components), instance, fmu)
+        notes += said
+    return system, [*notes, *_elsewhere(system, table)]
+
+
+def _elsewhere(system: System, table: ContactTable) -> list[str]:
+    """What is to be said where the trucks are made for other contact points."""
+    given = {
+        truck.instance: in_unit(
+            system.components[truck.instance].parameters.get(
+                "half_contact_spacing", table.half_spacing
+            ),
+            "m",
+            "half_contact_spacing",
+        )
+        for truck in layout_of(system).trucks
+    }
+    apart = {
+        name: value
+        for name, value in given.items()
+        if abs(value - table.half_spacing) > SPACING_TOLERANCE * table.half_spacing
+    }
+    return [
+        f"{name} has its wheels' contacts at {value:.4g} m (half_contact_spacing), the profiles at "
+        f"{table.half_spacing:.4g} m; set {name}.half_contact_spacing to the latter"
+        for name, value in apart.items()
+    ]
