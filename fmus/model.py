@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from typing import Any
 
 from .describe.variables import (
+    USUAL,
     Array,
     Constant,
     Input,
@@ -60,6 +61,8 @@ class Model:
     constants: Sequence[Constant] = ()
     arrays: Sequence[Array] = ()
     """These are shown by the native FMUs of the blocks only."""
+
+    usual: tuple[float, float] = USUAL
 
     def start(self, p: Values, u: Values) -> None:
         """Set the state at the start of a run, from parameters and inputs.

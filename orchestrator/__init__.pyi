@@ -67,6 +67,7 @@ from .system.system import Component, Connection, Experiment, PowerBond, System,
 from .system.transformation import Linear, Table
 from .trust.findings import CHECKS, Level, Verdict
 from .trust.tested import self_tests
+from .whole.coupled import CoupledCode, coupled_code
 from .whole.linearise import LinearModel, linearise
 from .whole.monolith import monolith
 from .whole.verify import verify
@@ -81,6 +82,7 @@ __all__ = [
     "Component",
     "Connection",
     "Contents",
+    "CoupledCode",
     "CouplingError",
     "CsvTable",
     "DamageError",
@@ -140,6 +142,7 @@ __all__ = [
     "component_description",
     "conversion",
     "couple",
+    "coupled_code",
     "describe",
     "diagram",
     "dominant_frequency",

@@ -5,9 +5,9 @@ from __future__ import annotations
 import hashlib
 import os
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from .. import BLOCKS
@@ -25,12 +25,17 @@ DESCRIPTIONS = {"2.0": fmi2.model_description, "3.0": fmi3.model_description}
 
 @dataclass(frozen=True)
 class Contents:
-    """What an FMU holds apart from its binaries: files by their place, and C files by name."""
+    """What an FMU holds apart from its binaries: files by their place, and C files by name.
+
+    units: those of the C files that are compiled, with what flags.
+    """
 
     block: str
     fmi: str
     files: Mapping[str, bytes]
     sources: Mapping[str, str]
+    units: Sequence[str]
+    flags: Sequence[str] = FLAGS
 
 
 def build(
@@ -58,7 +63,7 @@ def build_products(
     out.mkdir(parents=True, exist_ok=True)
     prepared = [contents(product, versions) for product in products]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        built = pool.map(lambda of_block: _write(of_block, out, chosen), prepared)
+        built = pool.map(lambda of_block: write(of_block, out, chosen), prepared)
         return {path.stem: path for paths in built for path in paths}
 
 
@@ -70,29 +75,39 @@ def contents(product: Product, versions: Iterable[str]) -> list[Contents]:
     for fmi in versions:
         xml = DESCRIPTIONS[fmi](block, start)
         sources = code.sources(block, start, fmi, NO_GUID)
-        own = _guid(xml, sources)
-        texts = {
-            "modelDescription.xml": xml.replace(NO_GUID, own),
-            "sources/buildDescription.xml": build_description(block.name, sources),
-        }
         files = accompanying_files(product, start, xml)
-        files |= {place: text.encode() for place, text in texts.items()}
-        named = {name: text.replace(NO_GUID, own) for name, text in sources.items()}
-        found.append(Contents(block.name, fmi, files, named))
+        found.append(
+            identified(Contents(block.name, fmi, files, sources, code.unit_files(fmi)), xml)
+        )
     return found
 
 
-def _guid(description: str, sources: Mapping[str, str]) -> str:
+def identified(fmu: Contents, description: str) -> Contents:
+    """The same with its description, how it is compiled, and a GUID wherever that belongs."""
+    own = _guid(description, fmu)
+    options = " ".join(flag for flag in fmu.flags if flag not in FLAGS)
+    texts = {
+        "modelDescription.xml": description.replace(NO_GUID, own),
+        "sources/buildDescription.xml": build_description(fmu.block, fmu.units, options),
+    }
+    return replace(
+        fmu,
+        files={**fmu.files, **{place: text.encode() for place, text in texts.items()}},
+        sources={name: text.replace(NO_GUID, own) for name, text in fmu.sources.items()},
+    )
+
+
+def _guid(description: str, fmu: Contents) -> str:
     """A GUID that changes with the description, the sources or the compiler's flags."""
     digest = hashlib.sha256(description.encode())
-    for name, text in sorted(sources.items()):
+    for name, text in sorted(fmu.sources.items()):
         digest.update(name.encode() + b"\0" + text.encode())
-    digest.update(" ".join(FLAGS).encode())
+    digest.update(" ".join(fmu.flags).encode())
     return guid(digest.hexdigest())
 
 
-def _write(of_block: Iterable[Contents], out: Path, platforms: Iterable[Target]) -> list[Path]:
-    """Compile and zip the FMUs of one block."""
+def write(of_block: Iterable[Contents], out: Path, platforms: Iterable[Target]) -> list[Path]:
+    """Compile and zip the FMUs of one block into a folder; their paths."""
     paths = []
     # One folder for both versions: zig compiles only what has been written anew.
     with tempfile.TemporaryDirectory() as folder:
@@ -109,15 +124,16 @@ def _binaries(fmu: Contents, folder: Path, platforms: Iterable[Target]) -> dict[
     """The library of each platform by its place in the archive."""
     for name, text in fmu.sources.items():
         file = folder / name
+        file.parent.mkdir(parents=True, exist_ok=True)
         if not file.exists() or file.read_text() != text:
             file.write_text(text)
-    units = [folder / name for name in code.unit_files(fmu.fmi)]
+    units = [folder / name for name in fmu.units]
 
     def compiled(target: Target) -> tuple[str, bytes]:
         place = f"binaries/{target.folder(fmu.fmi)}/{fmu.block}{target.suffix}"
         library = folder / place
         library.parent.mkdir(parents=True, exist_ok=True)
-        compile_library(units, library, target)
+        compile_library(units, library, target, fmu.flags)
         return place, library.read_bytes()
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 
@@ -12,6 +12,7 @@ import casadi as ca
 
 from ..describe.block import Block
 from ..describe.variables import MAX, Values, Variable, limits
+from .dependencies import dependencies
 from .tables import array_tables, c_tables
 
 NATIVE = Path(__file__).parent / "native"
@@ -28,19 +29,36 @@ SELECTED = """\
 #define fmin(x, y) ((x) < (y) ? (x) : (y))
 #define fmax(x, y) ((x) > (y) ? (x) : (y))
 """
+EQUATIONS = ("evaluate.c", "states.c")
+"""Hand-written files that belong to equations: another model than a block has others instead."""
+
 TABLE_SLOTS = 16
 """Pages of a table that an instance keeps: more than the car's length spans."""
 
 
 def sources(block: Block, start: Values, fmi: str, guid: str) -> dict[str, str]:
     """All C files of the FMU for a version of FMI by name. start: parameter values [SI]."""
-    files = {path.name: path.read_text() for path in _native(fmi)}
-    files["equations.h"] = _equations(block)
-    files["block.h"] = _counts(block)
+    counts = variable_counts(block) | _equation_counts(block)
+    files = frame(block, start, fmi, guid, counts, dependencies(block))
+    files |= {name: (NATIVE / name).read_text() for name in EQUATIONS}
+    return files | {"equations.h": _equations(block)}
+
+
+def frame(
+    block: Block,
+    start: Values,
+    fmi: str,
+    guid: str,
+    counts: Mapping[str, int],
+    known: Mapping[str, Sequence[str]],
+) -> dict[str, str]:
+    """The C files but those of the equations. known: what each calculated variable depends on."""
+    files = {path.name: path.read_text() for path in _native(fmi) if path.name not in EQUATIONS}
+    files["block.h"] = _header(block, counts)
     files["block.c"] = _variables(block, start)
     files["identity.h"] = f'#define GUID "{guid}"\n'
     if fmi == "3.0":
-        files["arrays.c"] = array_tables(block)
+        files["arrays.c"] = array_tables(block, known)
     return files
 
 
@@ -137,10 +155,9 @@ def _without_checks(text: str) -> str:
     return re.sub(r"static int (casadi_f\d+)\(.*?\n\}\n", function, text, flags=re.DOTALL)
 
 
-def _counts(block: Block) -> str:
-    functions = generated_functions(block).values()
-    table = block.table
-    numbers = {
+def variable_counts(block: Block) -> dict[str, int]:
+    """Numbers of variables and the like, by their names in C; of equations there are none yet."""
+    return {
         "N_PARAMETERS": len(block.parameters),
         "N_INPUTS": len(block.inputs),
         "N_OUTPUTS": len(block.outputs),
@@ -151,25 +168,51 @@ def _counts(block: Block) -> str:
         "N_LOCALS": len(block.locals),
         "N_CONSTANTS": len(block.constants),
         "N_ARRAYS": len(block.all_arrays),
+        "N_LED": len(block.led),
+        "HAS_EXCHANGE": 0,
+        "TABLE_NODES": 1,
+        "TABLE_SLOTS": 1,
+        **dict.fromkeys(
+            (
+                *("N_INDICATORS", "N_DERIVED", "N_TRANSITION", "HAS_MARGIN", "TABLE_STATIONS"),
+                *("TABLE_VALUES", "TABLE_PAGE_SIZE", "TABLE_ROWS"),
+                *("WORK_ARG", "WORK_RES", "WORK_IW", "WORK_W"),
+            ),
+            0,
+        ),
+    }
+
+
+def _equation_counts(block: Block) -> dict[str, int]:
+    functions = generated_functions(block).values()
+    table = block.table
+    numbers = {
         "N_INDICATORS": block.functions.event_indicators.numel_out(),
         "N_DERIVED": block.functions.derived.numel_out(0),
         "N_TRANSITION": block.functions.transition.numel_out(),
-        "N_LED": len(block.led),
         "HAS_MARGIN": int(block.functions.has_margin),
-        "TABLE_STATIONS": table.station_count if table else 0,
-        "TABLE_VALUES": table.values if table else 0,
-        "TABLE_NODES": table.nodes_per_page if table else 1,
-        "TABLE_PAGE_SIZE": table.values * table.nodes_per_page if table else 0,
-        "TABLE_ROWS": table.rows if table else 0,
-        "TABLE_SLOTS": TABLE_SLOTS if table else 1,
+        "HAS_EXCHANGE": 1,
         "WORK_ARG": max(f.sz_arg() for f in functions),
         "WORK_RES": max(f.sz_res() for f in functions),
         "WORK_IW": max(f.sz_iw() for f in functions),
         "WORK_W": max(f.sz_w() for f in functions),
     }
-    lines = [f"#define {name} {value}" for name, value in numbers.items()]
     if table:
-        lines.append(f"#define TABLE_SPACING {table.spacing!r}")
+        numbers |= {
+            "TABLE_STATIONS": table.station_count,
+            "TABLE_VALUES": table.values,
+            "TABLE_NODES": table.nodes_per_page,
+            "TABLE_PAGE_SIZE": table.values * table.nodes_per_page,
+            "TABLE_ROWS": table.rows,
+            "TABLE_SLOTS": TABLE_SLOTS,
+        }
+    return numbers
+
+
+def _header(block: Block, counts: Mapping[str, int]) -> str:
+    lines = [f"#define {name} {value}" for name, value in counts.items()]
+    if block.table:
+        lines.append(f"#define TABLE_SPACING {block.table.spacing!r}")
     return (
         f"/* Generated from the block {block.name!r}. */\n#ifndef BLOCK_H\n#define BLOCK_H\n"
         + "\n".join(lines)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ..describe.block import Block
-from .dependencies import dependencies
 
 
 def c_tables(block: Block, header: str, tables: Mapping[str, Sequence[str]]) -> str:
@@ -18,8 +17,11 @@ def c_tables(block: Block, header: str, tables: Mapping[str, Sequence[str]]) -> 
     )
 
 
-def array_tables(block: Block) -> str:
-    """The file arrays.c: which scalars an array gathers, and what each scalar depends on."""
+def array_tables(block: Block, known: Mapping[str, Sequence[str]]) -> str:
+    """The file arrays.c: which scalars an array gathers, and what each scalar depends on.
+
+    known: the latter, by name.
+    """
     reference, gathered = block.references, block.all_arrays
     elements, first = [], [0]
     for array in gathered:
@@ -31,7 +33,7 @@ def array_tables(block: Block) -> str:
         if array.replaces
         for element, member in enumerate(array.members, start=1)
     }
-    known, starts, needs = dependencies(block), [0], []
+    starts, needs = [0], []
     for v in (*block.outputs, *block.locals, *block.constants):
         for name in known.get(v.name, ()):
             variable, element = place.get(name, (reference[name], 1))

@@ -119,6 +119,10 @@ class MacroLoop(OfPython):
         ]
         return "\n".join(lines) + "\n"
 
+    def words(self, arguments: tuple[Any, ...]) -> list[int]:
+        """Arguments in words of 8 bytes, as the compiled loop reads them from memory."""
+        return [*chain.from_iterable(map(_words, self._types.values(), arguments))]
+
     def bound(self, tables: tuple[Any, ...]) -> Callable[..., None]:
         """The loop with its tables: what takes the arguments up to `report`.
 

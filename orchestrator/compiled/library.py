@@ -174,6 +174,11 @@ def _say(line: str) -> None:
     print(line, file=sys.stderr, flush=True)
 
 
+def c_of(entries: Iterable[Entry]) -> str:
+    """C of functions and of all that they call, for a library of one's own."""
+    return _text(Unit(), entries)
+
+
 def _text(unit: Unit, entries: Iterable[Entry]) -> str:
     emitted = [entry.emit(unit) for entry in sorted(entries, key=lambda e: e.name)]
     unit.modules |= {

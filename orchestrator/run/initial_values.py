@@ -8,18 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InitializationError, SlaveError
-from ..masters.loop.packets import feed, set_inputs
 from ..masters.loop.record import record_of
-from ..masters.loop.refresh import LOOP_PASSES, LOOP_TOLERANCE, refresh_outputs, refresh_table
-from ..masters.loop.tables import LOOP, all_columns, calls, read_early
+from ..masters.loop.refresh import LOOP_PASSES
+from ..masters.loop.settle import PASSES, carry, moving, read_all, settle_tables
+from ..masters.loop.tables import LOOP
 from ..plan.plan import Plan
 from ..slaves.base import Slave
-
-PASSES = 200
-"""A contracting circle of outputs and inputs settles within these; a chain needs its length."""
-
-SETTLED = 1e-12
-"""Relative change of an output between two passes that counts as none."""
 
 
 def settle(plan: Plan, slaves: Sequence[Slave], stepping: bool = False) -> NDArray[np.float64]:
@@ -29,26 +23,13 @@ def settle(plan: Plan, slaves: Sequence[Slave], stepping: bool = False) -> NDArr
 
     Raises InitializationError naming the variables that do not settle or are not finite.
     """
-    table = calls(plan, slaves, all_columns(plan))
-    inputs = feed(plan, [plan.links_of(i) for i in range(len(slaves))])
-    refresh = refresh_table(plan, table)
-    guessed = [plan.column_of[port] for loop in plan.loops for port in loop.guessed]
-    tolerance = 10.0 * LOOP_TOLERANCE if plan.loops else SETTLED
+    tables = settle_tables(plan, slaves, stepping)
+    settling = tables[-1]
     rows, report = np.zeros((1, len(plan.columns))), np.zeros(4, np.int64)
     record, row = record_of(rows, rows[:0]), rows[0]
-    for i in range(len(slaves)):
-        read = read_early(table, i, record, 0, report)
-        _check(slaves, i, report, read)
+    _check(slaves, report, read_all(tables[0], record, 0, report))
     for _ in range(PASSES):
-        previous = row.copy()
-        for i in range(len(slaves)):
-            if not stepping or plan.descriptions[i].reads_any_time:
-                taken = set_inputs(table, i, inputs, i, record, 0, report)
-                _check(slaves, i, report, taken)
-            read = read_early(table, i, record, 0, report)
-            _check(slaves, i, report, read)
-        row[guessed] = previous[guessed]  # one time around a loop may lead away
-        refresh_outputs(table, refresh, record, 0, report)
+        fine = carry(*tables, record, 0, report)
         finite = np.isfinite(row)
         if not finite.all():
             wrong = int(np.flatnonzero(~finite)[0])
@@ -57,11 +38,12 @@ def settle(plan: Plan, slaves: Sequence[Slave], stepping: bool = False) -> NDArr
             )
         if report[1] == LOOP:
             raise InitializationError(f"{loop_failure(plan, report)} at the start")
-        _check(slaves, int(report[2]), report, report[1] == 0)
-        moving = np.abs(row - previous) > tolerance * np.maximum(np.abs(row), np.abs(previous))
-        if not moving.any():
+        _check(slaves, report, fine)
+        if not moving(settling, record, 0):
             return row
-    names = ", ".join(plan.name(*plan.columns[n]) for n in np.flatnonzero(moving))
+    size = np.maximum(np.abs(row), np.abs(settling.previous))
+    changing = np.abs(row - settling.previous) > settling.tolerance * size
+    names = ", ".join(plan.name(*plan.columns[n]) for n in np.flatnonzero(changing))
     raise InitializationError(
         f"the values at the start do not settle in {PASSES} passes along the connections; "
         f"still changing: {names}"
@@ -78,9 +60,9 @@ def loop_failure(plan: Plan, report: NDArray[np.int64]) -> str:
     )
 
 
-def _check(slaves: Sequence[Slave], i: int, report: NDArray[np.int64], fine: bool) -> None:
+def _check(slaves: Sequence[Slave], report: NDArray[np.int64], fine: bool) -> None:
     """Raise SlaveError with the call that the report names."""
     if not fine:
-        slave, call, status = slaves[i], int(report[1]), int(report[3])
+        slave, call, status = slaves[int(report[2])], int(report[1]), int(report[3])
         what = f"{slave.name} ({slave.description.label}): {slave.fault(call, status)}"
         raise SlaveError(f"{what} before the first step{slave.said()}")

@@ -28,7 +28,10 @@ Instance *core_create(Interface interface, Report report, void *environment) {
     return instance;
 }
 
-void core_free(Instance *instance) { free(instance); }
+void core_free(Instance *instance) {
+    if (instance) release_equations(instance);
+    free(instance);
+}
 
 void core_reset(Instance *instance) {
     State *s = &instance->state;

@@ -82,6 +82,7 @@ typedef struct {
     double *res[WORK_RES + 1];
     long long iw[WORK_IW + 1];
     double w[WORK_W + 1];
+    void *within; /* what the equations keep besides, if they are those of other FMUs */
 } Instance;
 
 Instance *core_create(Interface interface, Report report, void *environment);
@@ -110,6 +111,14 @@ Status core_directional(Instance *instance, const uint32_t *unknown, size_t unkn
 Status core_restore(Instance *instance, const State *state);
 /* Whether a state that came as bytes could be one of this block's. */
 Status core_check_state(Instance *instance, const State *state);
+/* Saved states as an importer holds them: saving makes room at `state` unless it has some. `pack`
+ * makes bytes of one, so many as `packed_size` says, and `unpack` refuses those that were damaged. */
+Status core_save(Instance *instance, void **state);
+Status core_load(Instance *instance, const void *state);
+void core_free_state(Instance *instance, void *state);
+Status core_packed_size(Instance *instance, const void *state, size_t *size);
+Status core_pack(Instance *instance, const void *state, void *bytes);
+Status core_unpack(Instance *instance, const void *bytes, size_t size, void **state);
 
 /* Model exchange. `count` must be the number of continuous states, or of event indicators. */
 Status core_enter_event_mode(Instance *instance);

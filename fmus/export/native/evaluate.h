@@ -25,6 +25,9 @@ const char *first_lost(const double *x, const double *u);
 /* Nothing of the caches holds for other derived constants. */
 void forget_caches(Instance *instance);
 
+/* The instance is about to be freed. */
+void release_equations(Instance *instance);
+
 /* Compute what is stale, and all that it follows from. */
 Status refresh_states(Instance *instance);
 Status refresh_outputs(Instance *instance);

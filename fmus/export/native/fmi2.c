@@ -144,7 +144,7 @@ EXPORT(fmi2Status, fmi2SetFMUstate)(fmi2Component c, fmi2FMUstate state) {
 
 EXPORT(fmi2Status, fmi2FreeFMUstate)(fmi2Component c, fmi2FMUstate *state) {
     NEEDS_INSTANCE;
-    return slave_free_state(state);
+    return slave_free_state(c, state);
 }
 
 EXPORT(fmi2Status, fmi2SerializedFMUstateSize)(fmi2Component c, fmi2FMUstate state, size_t *size) {

@@ -210,7 +210,7 @@ EXPORT(fmi3Status, fmi3SetFMUState)(fmi3Instance c, fmi3FMUState state) {
 
 EXPORT(fmi3Status, fmi3FreeFMUState)(fmi3Instance c, fmi3FMUState *state) {
     NEEDS_INSTANCE;
-    return slave_free_state(state);
+    return slave_free_state(c, state);
 }
 
 EXPORT(fmi3Status, fmi3SerializedFMUStateSize)(fmi3Instance c, fmi3FMUState state, size_t *size) {

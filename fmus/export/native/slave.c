@@ -21,6 +21,7 @@ const char *slave_create(Slave *slave, Interface interface, const char *name, co
     if (!*slave->name) return "an instance needs a name";
     if (!token || strcmp(token, GUID) != 0)
         return "the GUID differs from the model description's: binary and description do not belong together";
+    if (interface == MODEL_EXCHANGE && !HAS_EXCHANGE) return "this FMU is for co-simulation alone";
     slave->core = core_create(interface, report, environment);
     if (!slave->core) return "not enough memory";
     forget_experiment(slave);
@@ -71,70 +72,58 @@ Status slave_check_step(Slave *slave, double time, double size) {
     return OK;
 }
 
-static Status make_room(Slave *slave, void **state) {
-    if (!*state) *state = malloc(sizeof(State));
-    return *state ? OK : slave_refuse(slave, "not enough memory for a state");
-}
-
 Status slave_save(Slave *slave, void **state) {
     if (!state) return slave_refuse(slave, "a place for the state is needed");
-    if (make_room(slave, state) != OK) return ERROR;
-    memcpy(*state, &slave->core->state, sizeof(State));
-    return OK;
+    return core_save(slave->core, state);
 }
 
 Status slave_restore(Slave *slave, const void *state) {
     if (!state) return slave_refuse(slave, "a saved state is needed");
-    return core_restore(slave->core, state);
+    return core_load(slave->core, state);
 }
 
-Status slave_free_state(void **state) {
-    if (state) {
-        free(*state);
+Status slave_free_state(Slave *slave, void **state) {
+    if (state && *state) {
+        core_free_state(slave->core, *state);
         *state = NULL;
     }
     return OK;
 }
 
 /* Serialized: the GUID, by which another build's bytes are refused, a checksum, the state's bytes. */
-enum { CHECKSUM = sizeof GUID, BODY = CHECKSUM + sizeof(uint64_t), SERIALIZED_SIZE = BODY + sizeof(State) };
+enum { CHECKSUM = sizeof GUID, BODY = CHECKSUM + sizeof(uint64_t) };
 
 /* FNV-1a, 64 bits: http://www.isthe.com/chongo/tech/comp/fnv */
-static uint64_t checksum(const State *state) {
-    const unsigned char *byte = (const unsigned char *)state;
+static uint64_t checksum(const unsigned char *byte, size_t size) {
     uint64_t sum = UINT64_C(0xcbf29ce484222325);
-    for (size_t i = 0; i < sizeof *state; i++) sum = (sum ^ byte[i]) * UINT64_C(0x100000001b3);
+    for (size_t i = 0; i < size; i++) sum = (sum ^ byte[i]) * UINT64_C(0x100000001b3);
     return sum;
 }
 
 Status slave_serialized_size(Slave *slave, const void *state, size_t *size) {
     if (!state || !size) return slave_refuse(slave, "a saved state and a place for its size are needed");
-    *size = SERIALIZED_SIZE;
+    if (core_packed_size(slave->core, state, size) != OK) return ERROR;
+    *size += BODY;
     return OK;
 }
 
 Status slave_serialize(Slave *slave, const void *state, void *bytes, size_t size) {
-    if (!state || !bytes || size < SERIALIZED_SIZE)
+    size_t body;
+    if (!state || !bytes || core_packed_size(slave->core, state, &body) != OK || size < BODY + body)
         return slave_refuse(slave, "too few bytes to serialize the state into");
-    uint64_t sum = checksum(state);
     memcpy(bytes, GUID, sizeof GUID);
+    if (core_pack(slave->core, state, (char *)bytes + BODY) != OK) return ERROR;
+    uint64_t sum = checksum((unsigned char *)bytes + BODY, body);
     memcpy((char *)bytes + CHECKSUM, &sum, sizeof sum);
-    memcpy((char *)bytes + BODY, state, sizeof(State));
     return OK;
 }
 
 Status slave_deserialize(Slave *slave, const void *bytes, size_t size, void **state) {
-    State given;
     uint64_t sum;
-    if (!bytes || !state || size != SERIALIZED_SIZE || memcmp(bytes, GUID, sizeof GUID) != 0)
+    if (!bytes || !state || size < BODY || memcmp(bytes, GUID, sizeof GUID) != 0)
         return slave_refuse(slave, "these bytes are no state of this FMU, or of another build of it");
     memcpy(&sum, (const char *)bytes + CHECKSUM, sizeof sum);
-    memcpy(&given, (const char *)bytes + BODY, sizeof given);
-    if (sum != checksum(&given))
+    if (sum != checksum((const unsigned char *)bytes + BODY, size - BODY))
         return slave_refuse(slave, "these bytes are a damaged state: the checksum does not fit");
-    if (core_check_state(slave->core, &given) != OK || make_room(slave, state) != OK) return ERROR;
-    given.derived_stale = 1; /* what follows from the rest is computed, not believed */
-    if (given.phase <= INITIALIZING) given.states_stale = 1;
-    memcpy(*state, &given, sizeof given);
-    return OK;
+    return core_unpack(slave->core, (const char *)bytes + BODY, size - BODY, state);
 }

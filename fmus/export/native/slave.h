@@ -33,7 +33,7 @@ Status slave_check_step(Slave *slave, double time, double size);
 
 Status slave_save(Slave *slave, void **state);
 Status slave_restore(Slave *slave, const void *state);
-Status slave_free_state(void **state);
+Status slave_free_state(Slave *slave, void **state);
 Status slave_serialized_size(Slave *slave, const void *state, size_t *size);
 Status slave_serialize(Slave *slave, const void *state, void *bytes, size_t size);
 Status slave_deserialize(Slave *slave, const void *bytes, size_t size, void **state);

@@ -12,12 +12,13 @@ from ..compiler import LANGUAGE
 from . import document
 
 
-def build_description(identifier: str, files: Iterable[str]) -> str:
-    """XML text of buildDescription.xml. files: the folder sources, of which .c are compiled."""
+def build_description(identifier: str, units: Iterable[str], options: str = "") -> str:
+    """XML text of buildDescription.xml. units: the C files to compile. options: of the compiler."""
     root = Element("fmiBuildDescription", fmiVersion="3.0")
     configuration = SubElement(root, "BuildConfiguration", modelIdentifier=identifier)
-    sources = SubElement(configuration, "SourceFileSet", language=LANGUAGE)
-    for name in sorted(name for name in files if name.endswith(".c")):
+    more = {"compilerOptions": options} if options else {}
+    sources = SubElement(configuration, "SourceFileSet", {"language": LANGUAGE, **more})
+    for name in sorted(units):
         SubElement(sources, "SourceFile", name=name)
     SubElement(configuration, "Library", name="m", external="true", description="Mathematics of C")
     return document(root)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement
 
 from ...describe.block import Block
@@ -23,16 +24,23 @@ OURS = {
 }
 """Who made the blocks, with what, and what others may do with them."""
 
-STEP_SIZE = 1e-3
-STOP_TIME = 8.0
 TOLERANCE = 1e-8
 """Relative, for an integrator of model exchange; with 1e-5 the truck's friction is lost."""
 
 DISPLAY = {"rad": ("deg", 57.29577951308232)}
 """Units in which values of another unit are shown, and how many are one of it."""
 
-Dependencies = Mapping[str, Iterable[str]]
-"""Names of the variables on which each unknown depends, by its name."""
+Dependencies = Mapping[str, Iterable[str] | None]
+"""Names of the variables on which each unknown depends, by its name; None: on all."""
+
+
+@dataclass(frozen=True)
+class Interface:
+    """An element such as `CoSimulation`: what the FMU's binary can do, and its C files if any."""
+
+    tag: str
+    attributes: Mapping[str, str]
+    sources: Sequence[str] = ()
 
 
 def about(model: Block | Model) -> dict[str, str]:
@@ -64,7 +72,8 @@ def definitions(
     categories = SubElement(root, "LogCategories")
     SubElement(categories, "Category", name="logStatusWarning", description="Warnings")
     SubElement(categories, "Category", name="logStatusError", description="Why a call was refused")
-    times = {"startTime": "0", "stopTime": repr(STOP_TIME), "stepSize": repr(STEP_SIZE)}
+    stop, step = model.usual
+    times = {"startTime": "0", "stopTime": repr(stop), "stepSize": repr(step)}
     if model.derivatives:
         times["tolerance"] = repr(TOLERANCE)
     SubElement(root, "DefaultExperiment", times)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
 from xml.etree.ElementTree import Element, SubElement
 
 from ...describe.block import Block
@@ -16,6 +15,7 @@ from . import document
 from .description import (
     OURS,
     Dependencies,
+    Interface,
     about,
     annotated,
     definitions,
@@ -26,15 +26,12 @@ from .description import (
 from .model_variables import ModelVariable, scalars
 
 TYPE = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "enumeration": "Enumeration"}
-
-
-@dataclass(frozen=True)
-class Interface:
-    """An element such as `CoSimulation`: what the FMU's binary can do, and its C files if any."""
-
-    tag: str
-    attributes: Mapping[str, str]
-    sources: Sequence[str] = ()
+SLAVE = {
+    "canHandleVariableCommunicationStepSize": "true",
+    "canInterpolateInputs": "true",
+    "maxOutputDerivativeOrder": "0",
+}
+"""What our co-simulation can do."""
 
 
 def model_description(block: Block, start: Values) -> str:
@@ -86,15 +83,10 @@ def _interfaces(block: Block) -> list[Interface]:
         "providesDirectionalDerivative": "true",
     }
     exchange = {"completedIntegratorStepNotNeeded": "false" if block.memory else "true"}
-    slave = {
-        "canHandleVariableCommunicationStepSize": "true",
-        "canInterpolateInputs": "true",
-        "maxOutputDerivativeOrder": "0",
-    }
     sources = unit_files("2.0")
     return [
         Interface("ModelExchange", {**in_both, **exchange}, sources),
-        Interface("CoSimulation", {**in_both, **slave}, sources),
+        Interface("CoSimulation", {**in_both, **SLAVE}, sources),
     ]
 
 
@@ -118,8 +110,9 @@ def _structure(
     def unknowns(tag: str, names: Iterable[str], on: Dependencies) -> None:
         group = SubElement(structure, tag)
         for name in names:
-            needs = numbers(reference[known] for known in on[name])
-            SubElement(group, "Unknown", index=str(reference[name]), dependencies=needs)
+            element = SubElement(group, "Unknown", index=str(reference[name]))
+            if (known := on[name]) is not None:
+                element.set("dependencies", numbers(reference[k] for k in known))
 
     unknowns("Outputs", (v.name for v in model.outputs), now)
     if model.derivatives:

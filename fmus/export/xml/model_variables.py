@@ -39,7 +39,7 @@ class ModelVariable:
 
 
 def scalars(
-    block: Block | Model, start: Values, at_start: Mapping[str, Iterable[str]]
+    block: Block | Model, start: Values, at_start: Mapping[str, Iterable[str] | None]
 ) -> list[ModelVariable]:
     """All variables but time, in the order of their references.
 
@@ -75,7 +75,7 @@ def scalars(
             source = v.derivative_of if isinstance(v, Output) else None
             found.append(variable(v, causality, "continuous", "calculated", derivative_of=source))
     for constant in block.constants:
-        varies = "tunable" if tunable & set(at_start[constant.name]) else "fixed"
+        varies = "tunable" if tunable & set(at_start[constant.name] or tunable) else "fixed"
         found.append(variable(constant, "calculatedParameter", varies, "calculated"))
     return found
 

@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 import orchestrator
+from fmus.names import FMI_VERSIONS
 
 from ...errors import TracktrainError
 from ...options.chosen import Shape, chosen_car, refuse_idle_options, system_options
 from ...options.types import Name
+
+if TYPE_CHECKING:
+    from orchestrator import System
+
+ALONE = {".ssp": ("standard", "changes_only"), ".fmu": ("fmi", "targets")}
+"""Options that only one kind of file has."""
 
 
 @click.command(
@@ -20,9 +28,11 @@ Examples:
   tracktrain export hopper.ssp
   tracktrain export fast.ssp --speed "100 ft/s" --track fra4 --seed 7 --duration 20s
   tracktrain export soft.ssp --set truck_front.bolster_lateral.stiffness="2000 lbf/in"
-  tracktrain run hopper.ssp"""
+  tracktrain run hopper.ssp
+  tracktrain export hopper.fmu
+  tracktrain export hopper.fmu --fmi 3.0 --target all"""
 )
-@click.argument("file", type=click.Path(path_type=Path), metavar="FILE.ssp")
+@click.argument("file", type=click.Path(path_type=Path), metavar="FILE.ssp|FILE.fmu")
 @click.option(
     "--standard",
     type=Name("version of SSP", ("1.0", "2.0")),
@@ -35,23 +45,65 @@ Examples:
     help="Leave out values that the FMUs start with anyway. libcosim and ecos cannot read "
     "enumerations such as a creep law; unless changed, these are left out then.",
 )
+@click.option(
+    "--fmi",
+    type=click.Choice(FMI_VERSIONS),
+    default="2.0",
+    show_default=True,
+    help="Version of FMI of one FMU.",
+)
+@click.option(
+    "--target",
+    "targets",
+    multiple=True,
+    default=("host",),
+    metavar="TARGET",
+    help="Platform whose binaries one FMU holds, as `tracktrain build` has them. Repeatable.  "
+    "[default: host]",
+)
 @system_options
 @click.pass_context
 def command(
-    ctx: click.Context, file: Path, standard: str | None, changes_only: bool, **options: Any
+    ctx: click.Context,
+    file: Path,
+    standard: str | None,
+    changes_only: bool,
+    fmi: str,
+    targets: tuple[str, ...],
+    **options: Any,
 ) -> None:
-    """Write the hopper car as an SSP archive, which other co-simulation tools can run.
+    """Write the hopper car as an SSP archive, or as one FMU, for other co-simulation tools.
 
-    It holds the FMUs, the values of their parameters, the connections and the experiment.
+    An archive holds the FMUs, the values of their parameters, the connections and the experiment.
+    One FMU (docs/one_fmu.md) holds the FMUs and their master, compiled together: a tool that
+    imports it computes what `tracktrain run` does, to the last bit.
     """
-    if file.suffix != ".ssp":
-        raise TracktrainError(f"'{file}' is no name for an archive; it must end in .ssp")
+    kind = file.suffix
+    if kind not in ALONE:
+        raise TracktrainError(
+            f"'{file}' is no name for an archive or an FMU; it must end in .ssp or .fmu"
+        )
+    for name in (n for other, names in ALONE.items() if other != kind for n in names):
+        if ctx.get_parameter_source(name) is not ParameterSource.DEFAULT:
+            option = next(p.opts[0] for p in ctx.command.params if p.name == name)
+            raise TracktrainError(f"{option} has no meaning for a file that ends in {kind}")
     shape = Shape.taken(options)
     refuse_idle_options(ctx, shape)
     system = chosen_car(shape)
-    path = orchestrator.write_ssp(
-        system, file, name=file.stem, version=standard, changes_only=changes_only
-    )
+    if kind == ".ssp":
+        path = orchestrator.write_ssp(
+            system, file, name=file.stem, version=standard, changes_only=changes_only
+        )
+    else:
+        path = _one_fmu(system, file, fmi, targets)
     for note in system.notes:
         click.echo(f"note: {note}")
     click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
+
+
+def _one_fmu(system: System, file: Path, fmi: str, targets: tuple[str, ...]) -> Path:
+    from ...one_fmu import build_one_fmu
+
+    click.echo("compiling the car, some ten seconds", err=True)
+    path, _ = build_one_fmu(system, file, fmi=fmi, platforms=targets)
+    return path
