@@ -1,4 +1,4 @@
-"""Renders the FMUs' drawings (`fmus/*/icon.svg`, `diagram.svg`, ...) to the PNG files beside them.
+"""Renders the FMUs' drawings (`icon.svg`, `diagram.svg`, ...) to the PNG files beside them.
 
 python docs/draw.py     needs Chromium
 """
@@ -11,7 +11,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-FOLDER = Path(__file__).parent.parent / "fmus"
+FOLDERS = [Path(__file__).parent.parent / name for name in ("fmus", "tracktrain/one_fmu")]
 
 
 def render(drawing: Path, chromium: str) -> None:
@@ -38,5 +38,5 @@ if __name__ == "__main__":
     program = shutil.which("chromium") or shutil.which("google-chrome")
     if program is None:
         sys.exit("Chromium is needed: neither chromium nor google-chrome is on the path")
-    for file in sorted(FOLDER.rglob("*.svg")):
+    for file in sorted(drawing for folder in FOLDERS for drawing in folder.rglob("*.svg")):
         render(file, program)

@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from typing import Any
 
 from .describe.variables import (
-    USUAL,
     Array,
     Constant,
     Input,
@@ -62,7 +61,8 @@ class Model:
     arrays: Sequence[Array] = ()
     """These are shown by the native FMUs of the blocks only."""
 
-    usual: tuple[float, float] = USUAL
+    usual: tuple[float, float] | None = None
+    """Stop time and step [s] of the default experiment; None: those of the blocks."""
 
     def start(self, p: Values, u: Values) -> None:
         """Set the state at the start of a run, from parameters and inputs.

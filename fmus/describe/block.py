@@ -16,18 +16,7 @@ import numpy as np
 
 from .states import State, derivative_of, with_nominals
 from .terminals import Terminal
-from .variables import (
-    USUAL,
-    Array,
-    Constant,
-    Input,
-    Limit,
-    Output,
-    Parameter,
-    Tangent,
-    Values,
-    Variable,
-)
+from .variables import Array, Constant, Input, Limit, Output, Parameter, Tangent, Values, Variable
 from .vectors import flat, ordered, symbols, vector
 
 Signals = Mapping[str, ca.SX]
@@ -68,7 +57,7 @@ class Block:
     stands_for: the block whose ports this one has too, and whose numbers it shares.
     switch: the enumeration that chooses among laws, each of which is a function of its own.
     led: of such a block the outputs, the first ones, whose slopes masters ask for in every step.
-    usual: stop time and step [s] of the default experiment.
+    usual: stop time and step [s] of the default experiment, if not those of all.
     """
 
     name: str
@@ -87,7 +76,7 @@ class Block:
     limits: Sequence[Limit] | None = None
     led: Sequence[str] = ()
     stands_for: str | None = None
-    usual: tuple[float, float] = USUAL
+    usual: tuple[float, float] | None = None
 
     home: str = ""
     """Folder of `fmus` with its README, pictures and reference results; "" is that of its name."""

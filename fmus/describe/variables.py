@@ -133,9 +133,6 @@ def choice(name: str, description: str, choices: tuple[str, ...], symbol: str = 
     )
 
 
-USUAL = (8.0, 1e-3)
-"""Stop time and step [s] of an FMU's default experiment."""
-
 BASES = ("published", "measured", "derived", "common practice", "assumed", "estimate")
 """What a number may stand on."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from ..describe.block import Block
@@ -17,6 +18,17 @@ from .documentation import documentation
 from .xml import fmi2, fmi3
 from .xml.description import Dependencies, Interface
 from .xml.terminals import terminals_and_icons
+
+
+@dataclass(frozen=True)
+class Able:
+    """What the model can do, as FMI's attributes say it."""
+
+    saves_state: bool = True
+    serializes_state: bool = True
+    variable_step: bool = True
+    only_once: bool = False
+
 
 ALIASED = "-fno-strict-aliasing"
 """Tables in C are words, whatever they hold."""
@@ -33,10 +45,11 @@ class Assembly(Block):
         now: Mapping[str, Sequence[str]],
         limits: Sequence[Limit],
         usual: tuple[float, float],
+        able: Able,
     ) -> None:
         self.name, self.description = name, description
         self.parameters, self.inputs, self.outputs = variables
-        self.now, self.limits, self.usual = now, limits, usual
+        self.now, self.limits, self.usual, self.able = now, limits, usual, able
 
 
 def build_assembly(
@@ -60,8 +73,6 @@ def build_assembly(
     sources = {**sources, **core}
     units = [name for name in sources if name.endswith(".c") and "/" not in name]
     xml = _description(assembly, start, fmi, units)
-    flags = (*FLAGS, ALIASED)
-    fmu = Contents(assembly.name, fmi, {}, sources, units, flags)
     out.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=out.parent) as name:
         folder = Path(name)
@@ -73,28 +84,39 @@ def build_assembly(
             "documentation/licenses/license.txt": licence().encode(),
             "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(assembly).encode(),
         }
-        whole = Contents(fmu.block, fmi, files, sources, units, flags)
+        whole = Contents(assembly.name, fmi, files, sources, units, (*FLAGS, ALIASED))
         (built,) = write([identified(whole, xml)], folder, chosen)
         built.replace(out)
     return out
 
 
 def _description(assembly: Assembly, start: Values, fmi: str, units: Sequence[str]) -> str:
-    named, now = {"modelIdentifier": assembly.name}, assembly.now
+    now, own = assembly.now, assembly.able
+    common = {
+        "modelIdentifier": assembly.name,
+        "canBeInstantiatedOnlyOncePerProcess": _said(own.only_once),
+        "canHandleVariableCommunicationStepSize": _said(own.variable_step),
+    }
     at_start: Dependencies = dict.fromkeys(v.name for v in assembly.outputs)
     if fmi == "3.0":
         able = {
-            "canGetAndSetFMUState": "true",
-            "canSerializeFMUState": "true",
+            **fmi3.SLAVE,
+            "canGetAndSetFMUState": _said(own.saves_state),
+            "canSerializeFMUState": _said(own.serializes_state),
             "providesPerElementDependencies": "true",
         }
-        interface = Interface("CoSimulation", {**named, **able, **fmi3.SLAVE})
+        interface = Interface("CoSimulation", {**able, **common})
         return fmi3.described(assembly, start, [interface], now, at_start)
     able = {
+        **fmi2.SLAVE,
         "canNotUseMemoryManagementFunctions": "true",
-        "canGetAndSetFMUstate": "true",
-        "canSerializeFMUstate": "true",
+        "canGetAndSetFMUstate": _said(own.saves_state),
+        "canSerializeFMUstate": _said(own.serializes_state),
     }
-    interface = Interface("CoSimulation", {**named, **able, **fmi2.SLAVE}, units)
+    interface = Interface("CoSimulation", {**able, **common}, units)
     head = {**fmi2.OURS, "numberOfEventIndicators": "0"}
     return fmi2.described(assembly, start, head, [interface], now, at_start)
+
+
+def _said(value: bool) -> str:
+    return "true" if value else "false"

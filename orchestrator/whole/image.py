@@ -33,6 +33,8 @@ LEAST = 1 << 20
 class StandIn:
     """An instance that is not loaded: its addresses say whose they are."""
 
+    rolls_back = True
+
     def __init__(self, number: int) -> None:
         first = STAND_IN + number * FUNCTIONS * WORD
         self.addresses = Addresses(*(first + n * WORD for n in range(len(Addresses._fields))))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 import sys
@@ -109,3 +110,36 @@ def build_mass(folder: Path) -> Path:
 
 def build_damper(folder: Path) -> Path:
     return archive(folder / "damper.fmu", description(DAMPER), library(folder))
+
+
+FUNCTIONS = re.compile(r"\b(fmi2\w+)\(")
+
+PREFIXED = """\
+#define JOINED_(one, other) one##other
+#define JOINED(one, other) JOINED_(one, other)
+#ifdef FMI2_FUNCTION_PREFIX
+{names}
+#endif
+#define {kind}
+{source}"""
+
+
+def with_sources(fmu: Path, kind: str) -> Path:
+    """The FMU with its C sources, whose functions have a prefix where one is defined."""
+    source = SOURCE.read_text()
+    named = re.findall(r"(?:ACCEPTED|REFUSED)\((fmi2\w+)\)", source) + FUNCTIONS.findall(source)
+    names = "\n".join(
+        f"#define {name} JOINED(FMI2_FUNCTION_PREFIX, {name})" for name in dict.fromkeys(named)
+    )
+    listed = '<SourceFiles><File name="slave.c"/></SourceFiles></CoSimulation>'
+    with zipfile.ZipFile(fmu) as archive:
+        files = {name: archive.read(name) for name in archive.namelist()}
+    text = files.pop("modelDescription.xml").decode()
+    head, _, rest = text.partition("<CoSimulation ")
+    attributes, _, rest = rest.partition("/>")
+    with zipfile.ZipFile(fmu, "w") as archive:
+        archive.writestr("modelDescription.xml", f"{head}<CoSimulation {attributes}>{listed}{rest}")
+        archive.writestr("sources/slave.c", PREFIXED.format(names=names, kind=kind, source=source))
+        for name, content in files.items():
+            archive.writestr(name, content)
+    return fmu

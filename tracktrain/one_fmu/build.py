@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from fmus.describe.variables import Input, Limit, Output, Parameter
-from fmus.export.assembly import Assembly, build_assembly
+from fmus.export.assembly import Able, Assembly, build_assembly
 from fmus.names import identifier
 from orchestrator import CoupledCode, Master, System, Variable, coupled_code
 
@@ -91,6 +91,12 @@ def _assembly(code: CoupledCode, name: str, step: float, system: System) -> Asse
         now,
         _limits(code),
         (system.experiment.stop or 8.0, step),
+        Able(
+            all(d.saves_state for d in code.descriptions),
+            all(d.serializes_state for d in code.descriptions),
+            all(d.variable_step for d in code.descriptions),
+            any(d.single_instance for d in code.descriptions),
+        ),
     )
 
 

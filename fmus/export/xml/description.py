@@ -24,6 +24,9 @@ OURS = {
 }
 """Who made the blocks, with what, and what others may do with them."""
 
+USUAL = (8.0, 1e-3)
+"""Stop time and step [s] of the default experiment."""
+
 TOLERANCE = 1e-8
 """Relative, for an integrator of model exchange; with 1e-5 the truck's friction is lost."""
 
@@ -72,7 +75,7 @@ def definitions(
     categories = SubElement(root, "LogCategories")
     SubElement(categories, "Category", name="logStatusWarning", description="Warnings")
     SubElement(categories, "Category", name="logStatusError", description="Why a call was refused")
-    stop, step = model.usual
+    stop, step = model.usual or USUAL
     times = {"startTime": "0", "stopTime": repr(stop), "stepSize": repr(step)}
     if model.derivatives:
         times["tolerance"] = repr(TOLERANCE)
