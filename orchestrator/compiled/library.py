@@ -46,6 +46,7 @@ PRODUCT = tuple(
         "masters.loop.held",
         "masters.loop.idle",
         "masters.loop.repeated",
+        "masters.loop.settle",
         "results.energy",
         "slaves.adapted.adaptors",
         "slaves.isolated.adaptors",

@@ -125,7 +125,10 @@ def test_other_mistakes(archive, tmp_path):
     for arguments, message in (
         (("run", "none.ssp"), "the system 'none.ssp' cannot be read: no such file or directory"),
         (("run", "--ssd", "x"), "there is no file to choose a system of; leave out --ssd"),
-        (("export", "hopper.zip"), "'hopper.zip' is no name for an archive; it must end in .ssp"),
+        (
+            ("export", "hopper.zip"),
+            "'hopper.zip' is no name for an archive or an FMU; it must end in .ssp or .fmu",
+        ),
         (("export", str(tmp_path / "no" / "a.ssp")), "cannot be written: no such file"),
         (("export", "a.ssp", "--standard", "3"), "there is no version of SSP '3'; "),
     ):
