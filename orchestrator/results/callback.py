@@ -12,10 +12,15 @@ from .sink import Header
 
 
 class Callback:
-    """A sink that calls a function with the names of the columns, and rows of shape (n, names)."""
+    """A sink that calls a function with the names of the columns, and rows of shape (n, names).
 
-    def __init__(self, function: Callable[[list[str], NDArray[np.float64]], Any]) -> None:
-        self._function = function
+    due: wall time [s] after which it is called with the rows that there are.
+    """
+
+    def __init__(
+        self, function: Callable[[list[str], NDArray[np.float64]], Any], due: float = 2.0
+    ) -> None:
+        self._function, self.due = function, due
 
     def begin(self, header: Header) -> None:
         self._names = ["time", *(name for name, _ in header.variables)]

@@ -100,7 +100,8 @@ class Recording:
         Raises ResultsError where a sink cannot go on.
         """
         full = self.last < self._grid.steps and done > self.last
-        waited = bool(self.sinks) and time.perf_counter() - self._flushed > FLUSH
+        due = min((getattr(sink, "due", FLUSH) for sink in self.sinks), default=np.inf)
+        waited = time.perf_counter() - self._flushed > due
         if not (now or full or waited):
             return
         while self._taken < done:

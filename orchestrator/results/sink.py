@@ -27,7 +27,9 @@ class Header:
 class Sink(Protocol):
     """Takes the rows of a run, some at a time, in order and each once.
 
-    A sink that cannot go on raises ResultsError, which ends the run with what there is.
+    One that is in a hurry has an attribute `due`: the wall time [s] after which it wants the rows
+    that there are. A sink that cannot go on raises ResultsError, which ends the run with what there
+    is.
     """
 
     def begin(self, header: Header) -> None:

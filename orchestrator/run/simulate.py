@@ -68,17 +68,20 @@ def resume(
     *,
     progress: Progress | None = None,
     logger: Logger | None = None,
+    sinks: Sequence[Sink] = (),
     measure: bool = False,
 ) -> Run:
     """Go on from the last checkpoint in a folder, as if the run had never stopped.
 
-    Rows that were written after it are made again, to the same bits. Raises OrchestratorError where
-    there is no checkpoint, or an FMU has changed since.
+    Rows that were written after it are made again, to the same bits. sinks: take the rows from
+    there on. Raises OrchestratorError where there is no checkpoint, or an FMU has changed since.
     """
     found: Checkpoint = read_checkpoint(folder)
     settings = replace(found.settings, out=Path(folder), measure=measure)
     tests = self_tests(found.system.components) if settings.self_test else {}
-    with Execution(found.system, found.master, settings, logger=logger, resumed=found) as execution:
+    with Execution(
+        found.system, found.master, settings, logger=logger, sinks=sinks, resumed=found
+    ) as execution:
         execution.evidence = Evidence(tests)
         return _carried_out(execution, progress)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -117,6 +117,11 @@ def layout_of(subject: System | Responses) -> Layout:
         names = [*subject.components, *(connection.source for connection in subject.connections)]
     else:
         names = [*Provenance.of(subject).fmus, *map(str, subject.data_vars)]
+    return layout_by(names)
+
+
+def layout_by(names: Iterable[str]) -> Layout:
+    """The same by names of instances, and of what they give as "instance.output"."""
     outputs: dict[str, set[str]] = {}
     for name in names:
         instance, _, output = name.partition(".")

@@ -30,7 +30,7 @@ SUFFIX = ".toml"
 SYSTEM = "system"
 """The key that stands for the argument FILE.ssp."""
 
-NO_KEYS = ("file", "help", "quiet", "as_json", "resume", "again", "save", "schema")
+NO_KEYS = ("file", "help", "quiet", "as_json", "resume", "again", "live", "save", "schema")
 """Options that say nothing of the run itself."""
 
 FILES = ("--swap", "--map", "--drive", "--track")

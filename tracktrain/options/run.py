@@ -23,6 +23,7 @@ RESUMED = (
     "resume",
     "csv",
     "page",
+    "live",
     "quiet",
     "as_json",
     "log",
@@ -60,6 +61,15 @@ run_options = adding(
         click.option("--csv", is_flag=True, help="Write results.csv, too."),
         click.option(
             "--report", "page", is_flag=True, help="Write report.html, too: the run as one page."
+        ),
+        click.option(
+            "--live",
+            type=click.IntRange(0, 65535),
+            is_flag=False,
+            flag_value=0,
+            metavar="[PORT]",
+            help="Serve a page on this machine that shows the values while the run goes on; with "
+            "--real-time for one that would be over at once.",
         ),
         _setting(
             "checkpoint",
@@ -120,6 +130,7 @@ class Kept:
 
     csv: bool
     page: bool
+    live: int | None
     resume: Path | None
     again: Path | None
     log: Path | None

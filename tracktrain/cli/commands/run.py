@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from functools import partial
@@ -46,7 +46,7 @@ from ...waiting import announced
 from ..as_json import json_option, print_json
 
 if TYPE_CHECKING:
-    from orchestrator import Run, System
+    from orchestrator import Run, Sink, System
 
     from ...answer import Part
 
@@ -172,15 +172,14 @@ def command(
         start = partial(
             orchestrator.simulate, system, out=folder, command=ctx.meta["command"], **settings
         )
-    experiment = system.experiment
-    span = (experiment.stop or 0.0) - (experiment.start or 0.0)
     with (
-        _progress(span, quiet or as_json) as (stage, progress),
+        _progress(_span(system), quiet or as_json) as (stage, progress),
         logged(ctx, kept.log, kept.log_level) as logger,
         termination_as_interrupt(),
+        _shown_live(kept.live) as sinks,
     ):
         stage("running")
-        result = start(progress=progress, logger=logger)
+        result = start(progress=progress, logger=logger, sinks=sinks)
         if trust["verify"]:
             stage("verifying")
             outputs = trust["verify_output"] or shown(system)
@@ -197,6 +196,24 @@ def command(
     _judge(result, counting, folder, lost, JSON if as_json else NOTHING if quiet else TEXT)
     if not result.completed:
         raise _stopped(result, folder, bool(how["checkpoint"] or resume))
+
+
+def _span(system: System) -> float:
+    """Time that a system's experiment takes [s]."""
+    return (system.experiment.stop or 0.0) - (system.experiment.start or 0.0)
+
+
+@contextmanager
+def _shown_live(port: int | None) -> Iterator[Sequence[Sink]]:
+    """The sink of the page that --live asks for, served until the run is over."""
+    if port is None:
+        yield ()
+        return
+    from ...live import Live
+
+    with Live(port) as live:
+        click.echo(f"the run is shown at {live.address} while it goes on", err=True)
+        yield (live,)
 
 
 def _stopped(result: Run, folder: Path, goes_on: bool) -> Stopped:

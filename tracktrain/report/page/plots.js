@@ -12,7 +12,8 @@ class Plots {
     this.picked = known.first.map((name) => names.indexOf(name)).filter((number) => number >= 0);
     if (!this.picked.length) this.picked = [0];
     this.times = new Chart(document.getElementById("time-plot"), "Signals", "time [s]", {});
-    this.spectra = new Chart(document.getElementById("spectrum-plot"), "Spectra", "frequency [Hz]", { logX: true, logY: true });
+    const place = document.getElementById("spectrum-plot");
+    if (place) this.spectra = new Chart(place, "Spectra", "frequency [Hz]", { logX: true, logY: true });
     this.choices();
     document.getElementById("filter").addEventListener("input", (event) => this.filter(event.target.value));
   }
