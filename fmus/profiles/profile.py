@@ -76,6 +76,11 @@ class Profile:
             )
         return Surface.through(self.kind, points[new])
 
+    @property
+    def flanged(self) -> bool:
+        """Whether it is a wheel with a flange."""
+        return self.kind == "wheel" and -self.points[:, 1].min() >= FLANGE
+
     def smoothed(self, wavelength: float) -> Profile:
         """By a smoothing spline that halves waves of this length [m], shorter ones more.
 

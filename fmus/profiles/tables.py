@@ -16,6 +16,8 @@ STEEP = np.radians(25.0)
 """A contact plane that is steeper is that of a flange [rad]."""
 CLIMB = 4e-3
 """How far the flange is followed up the rail [m]."""
+WITHOUT_FLANGE = 8e-3
+"""How far a wheel without a flange is followed [m]."""
 OFF_TREAD = 0.01
 """Rolling radius less the nominal one [m] that no tread has."""
 FARTHEST, SEARCH = 0.025, 2.5e-4
@@ -35,7 +37,10 @@ def contact_table(wheelset: Wheelset, track: Track, climb: float = CLIMB) -> Con
             "a table holds a wheel and a rail that are alike on both sides; give one wheel, one "
             "rail and one inclination"
         )
-    clearance, jump = flange_begins(wheelset, track)
+    found = flange_begins(wheelset, track)
+    if found is None:
+        return _flangeless(wheelset, track)
+    clearance, jump = found
     spacing = clearance / np.ceil(clearance / NODE)
     back, on = (round(float(length / spacing)) for length in (clearance + climb, climb))
     over = spacing * np.arange(-back, round(float(clearance / spacing)) + 1)
@@ -55,16 +60,34 @@ def contact_table(wheelset: Wheelset, track: Track, climb: float = CLIMB) -> Con
             f"the contact jumps on the tread at shifts of {places} mm: rounded off there over "
             f"{BLUR * 1e3:g} mm"
         )
-    name = f"{wheelset.left.name} on {track.left.name}"
-    return ContactTable(name, wheelset.rolling_radius, *parts, tuple(said))
+    return ContactTable(_name(wheelset, track), wheelset.rolling_radius, *parts, tuple(said))
 
 
-def flange_begins(wheelset: Wheelset, track: Track, yaw: float = 0.0) -> tuple[float, Jump | None]:
+def _flangeless(wheelset: Wheelset, track: Track) -> ContactTable:
+    """The tread alone, to `WITHOUT_FLANGE` on both sides."""
+    count = round(WITHOUT_FLANGE / NODE)
+    over = NODE * np.arange(-count, count + 1)
+    tread = contact_geometry(wheelset, track, over)
+    patch = _patch(tread, over, float(tread.lift[count]), None, 0)
+    said = (*wheelset.left.said, *track.left.said, "the wheel has no flange")
+    return ContactTable(_name(wheelset, track), wheelset.rolling_radius, patch, None, said)
+
+
+def _name(wheelset: Wheelset, track: Track) -> str:
+    return f"{wheelset.left.name} on {track.left.name}"
+
+
+def flange_begins(
+    wheelset: Wheelset, track: Track, yaw: float = 0.0
+) -> tuple[float, Jump | None] | None:
     """Shift to the left [m] at which the left flange touches, and the jump of the contact there.
 
     Where the contact wanders up the flange there is no jump, and the flange begins at `STEEP`.
+    None for a wheel without a flange. Raises ParameterError for one that does not touch.
     """
     _check_centred(contact_geometry(wheelset, track, [0.0], yaw))
+    if not wheelset.left.flanged:
+        return None
     for end in np.arange(0.01, FARTHEST, 0.005):
         found = contact_geometry(wheelset, track, np.arange(0.0, end, SEARCH), yaw)
         clearance = found.flange_contact("left", float(STEEP))

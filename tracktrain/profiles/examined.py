@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from fmus.profiles.conicity import RadiusDifference
+from fmus.profiles.flange import flange_of
 from fmus.profiles.geometry import ContactGeometry, Track, Wheelset, contact_geometry
-from fmus.profiles.tables import flange_begins
+from fmus.profiles.tables import WITHOUT_FLANGE, flange_begins
 
 BEYOND = 4e-3
 """How far the wheelset is followed up the rail [m]."""
@@ -42,11 +43,16 @@ class Examined:
 
     @cached_property
     def clearances(self) -> tuple[float, float]:
-        """Shifts towards the rail at which the left and the right flange touch [m]."""
-        left = flange_begins(self.wheelset, self.track, self.yaw)[0]
-        if self.alike:
-            return left, left
-        return left, flange_begins(self.wheelset.mirrored, self.track.mirrored, -self.yaw)[0]
+        """Shifts towards the rail at which the left and the right flange touch [m].
+
+        Those to which a wheel is followed that has no flange.
+        """
+        left = flange_begins(self.wheelset, self.track, self.yaw)
+        right = left
+        if not self.alike:
+            right = flange_begins(self.wheelset.mirrored, self.track.mirrored, -self.yaw)
+        found = [WITHOUT_FLANGE - BEYOND if side is None else side[0] for side in (left, right)]
+        return found[0], found[1]
 
     @property
     def alike(self) -> bool:
@@ -102,10 +108,22 @@ class Examined:
             f"{before}centred contact {centred.on_wheel * 1e3:+.3f} mm from the tape circle, "
             f"{centred.on_rail * 1e3:+.3f} mm from the rail's middle{ahead}, at "
             f"{np.degrees(centred.angle):.3f} deg; curvatures of wheel "
-            f"{centred.wheel_curvature:.3g} and rail {centred.rail_curvature:.3g} 1/m",
-            f"{before}flange touches at a shift of {self.clearances[number] * 1e3:.3f} mm; "
-            f"steepest contact {np.degrees(self.flange_angles[number]):.2f} deg",
+            f"{_curvature(centred.wheel_curvature)} and rail "
+            f"{_curvature(centred.rail_curvature)} 1/m",
         ]
+        wheel = (self.wheelset.left, self.wheelset.mirrored.left)[number]
+        if wheel.flanged:
+            flange = flange_of(wheel)
+            found.append(
+                f"{before}flange {flange.height * 1e3:.2f} mm high, "
+                f"{flange.thickness * 1e3:.2f} mm thick, qR {flange.gradient * 1e3:.2f} mm (EN 15313)"
+            )
+            found.append(
+                f"{before}flange touches at a shift of {self.clearances[number] * 1e3:.3f} mm; "
+                f"steepest contact {np.degrees(self.flange_angles[number]):.2f} deg"
+            )
+        else:
+            found.append(f"{before}no flange: followed to {WITHOUT_FLANGE * 1e3:g} mm")
         jumps = [jump for jump in self.geometry.jumps if jump.side == side]
         if len(jumps) > MANY:
             return [
@@ -153,6 +171,7 @@ class Examined:
             "wheel": self.wheelset.left.name,
             "rail": self.track.left.name,
             "said": [*self.wheelset.left.said, *self.track.left.said],
+            "flange": flange_of(self.wheelset.left) if self.wheelset.left.flanged else None,
             "clearance": self.clearances,
             "flange_angle": self.flange_angles,
             "conicity_at_3_mm": self.conicity_at(NORM),
@@ -161,3 +180,8 @@ class Examined:
             "conicity": self.conicity,
             "contacts": over,
         }
+
+
+def _curvature(value: float) -> str:
+    """Without the rounding of what is straight."""
+    return f"{round(float(value), 6) + 0.0:.3g}"

@@ -7,6 +7,7 @@ import pytest
 
 from fmus.errors import ParameterError
 from fmus.profiles.conicity import RadiusDifference
+from fmus.profiles.flange import flange_of
 from fmus.profiles.geometry import Track, Wheelset, contact_geometry
 from fmus.profiles.profile import Profile
 from fmus.profiles.shapes import shape
@@ -179,6 +180,22 @@ def test_a_table_has_the_contacts_of_its_geometry():
         [table.tread.radius[50], table.flange.radius[-1]], at.left.radius, atol=1e-12
     )
     np.testing.assert_allclose([table.tread.roll[50], table.flange.roll[-1]], at.roll, atol=1e-12)
+
+
+def test_a_wheel_without_a_flange_has_a_table_of_its_tread():
+    track = Track(shape("crown"), 1.4351, 0.015875, 1 / 40)
+    table = contact_table(Wheelset(cone(0.05), 0.4191, 1.5113), track)
+    assert table.flange is None
+    assert table.clearance == pytest.approx(8e-3)
+    np.testing.assert_allclose(table.tread.wheel_curvature, 0.0, atol=1e-9)
+
+
+def test_the_flange_of_s1002_is_as_its_standard_names_it():
+    flange = flange_of(shape("s1002"))
+    assert flange.thickness * 1e3 == pytest.approx(32.5, abs=0.01)
+    assert flange.height * 1e3 == pytest.approx(28.0, abs=0.001)
+    with pytest.raises(ParameterError, match=r"cone of 0.05 has no flange"):
+        flange_of(cone(0.05))
 
 
 def test_a_wheel_beside_its_rail_is_refused():
