@@ -116,7 +116,8 @@ class Examined:
             flange = flange_of(wheel)
             found.append(
                 f"{before}flange {flange.height * 1e3:.2f} mm high, "
-                f"{flange.thickness * 1e3:.2f} mm thick, qR {flange.gradient * 1e3:.2f} mm (EN 15313)"
+                f"{flange.thickness * 1e3:.2f} mm thick, qR {flange.gradient * 1e3:.2f} mm "
+                "(EN 15313)"
             )
             found.append(
                 f"{before}flange touches at a shift of {self.clearances[number] * 1e3:.3f} mm; "

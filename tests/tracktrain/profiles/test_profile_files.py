@@ -107,7 +107,7 @@ def test_a_whole_section_of_a_rail_is_its_head(csv):
     tops = [side.at(side.grid(1e-3))[:2] for side in (found, head)]
     at = np.linspace(-0.03, 0.03, 61)
     np.testing.assert_allclose(np.interp(at, *tops[0]), np.interp(at, *tops[1]), atol=2e-4)
-    with pytest.raises(ParameterError, match="p.csv is upside down"):
+    with pytest.raises(ParameterError, match=r"p.csv is upside down"):
         profile_of(csv(around * (1, -1), said))
 
 
