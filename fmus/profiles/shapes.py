@@ -18,6 +18,8 @@ FILE = Path(__file__).with_name("shapes.toml")
 STEP = 2.5e-4
 """From point to point [m]."""
 METRES = {"mm": 1e-3, "in": 0.0254}
+WAYS = ("corners", "arcs", "pieces", "worn")
+"""How a shape is drawn."""
 
 
 @cache
@@ -35,28 +37,59 @@ def shape(name: str) -> Profile:
         raise ParameterError(
             f"there is no shape '{name}'; {guess}choose one of: {', '.join(known)}"
         )
-    drawing = known[name]
-    said = (drawing["description"], f"{drawing['basis']}: {drawing['source']}")
-    return Profile(drawing["kind"], name, METRES[drawing["unit"]] * _points(drawing), said)
+    return drawn(name, known[name])
+
+
+def drawn(name: str, drawing: Mapping[str, Any]) -> Profile:
+    """The profile of a drawing, as `shapes.toml` has them; raises ParameterError."""
+    missing = [key for key in ("kind", "unit", "source") if key not in drawing]
+    ways = [way for way in WAYS if way in drawing]
+    if missing or len(ways) != 1:
+        raise ParameterError(
+            f"{name} is no drawing: give kind, unit, source and one of {', '.join(WAYS)}; "
+            f"it has {', '.join(drawing) or 'nothing'}"
+        )
+    kind, unit = drawing["kind"], drawing["unit"]
+    if kind not in ("wheel", "rail") or unit not in METRES:
+        raise ParameterError(
+            f"{name} is a {kind} in {unit}; give kind wheel or rail, and unit {' or '.join(METRES)}"
+        )
+    try:
+        points = METRES[unit] * _points(drawing)
+    except (ValueError, TypeError, KeyError, IndexError, FloatingPointError) as error:
+        raise ParameterError(
+            f"{name}: its {ways[0]} cannot be drawn ({error}); compare with {FILE.name} of "
+            "fmus.profiles, which tells how each is written"
+        ) from None
+    said = (
+        drawing.get("description", name),
+        f"{drawing.get('basis', 'drawing')}: {drawing['source']}",
+    )
+    return Profile(kind, name, points, said)
 
 
 def _points(drawing: Mapping[str, Any]) -> Array:
     """(n, 2) in the drawing's unit."""
     step = STEP / METRES[drawing["unit"]]
-    if "worn" in drawing:
-        return _worn(**drawing["worn"])
-    if "arcs" in drawing:
-        return _head(drawing["arcs"], step)
-    if "pieces" in drawing:
-        return _pieces(drawing["pieces"], step)
-    return _rounded(np.array(drawing["corners"]), step)
+    with np.errstate(invalid="raise"):
+        if "worn" in drawing:
+            return _worn(drawing["kind"], **drawing["worn"])
+        if "arcs" in drawing:
+            return _head(drawing["arcs"], step)
+        if "pieces" in drawing:
+            return _pieces(drawing["pieces"], step)
+        return _rounded(np.array(drawing["corners"], dtype=float), step)
 
 
-def _worn(of: str, depth: float, centre: float, width: float) -> Array:
-    """Another shape, hollowed; 0 stays at the tape circle."""
+def _worn(kind: str, of: str, depth: float, centre: float, width: float) -> Array:
+    """Another shape less a hollow; z counts from the tape circle or the top as before."""
     points = _points(shapes()[of]).copy()
     hollow = depth * np.exp(-(((points[:, 0] - centre) / width) ** 2) / 2)
-    points[:, 1] += hollow - depth * np.exp(-((centre / width) ** 2) / 2)
+    if kind == "rail":
+        points[:, 1] -= hollow
+        points[:, 1] -= points[:, 1].max()
+    else:
+        points[:, 1] += hollow - depth * np.exp(-((centre / width) ** 2) / 2)
     return points
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NoReturn
@@ -9,7 +10,7 @@ from typing import NoReturn
 import numpy as np
 
 from fmus.profiles.profile import Array, Kind, Profile, oriented
-from fmus.profiles.shapes import shape, shapes
+from fmus.profiles.shapes import drawn, shape, shapes
 from orchestrator import DimensionError, Quantity, UnitError, choices
 
 from ..geometry.errors import GeometryError
@@ -23,6 +24,7 @@ READERS = {
     **dict.fromkeys((".csv", ".txt", ".dat", ".tsv", ".wpf", ".rpf"), read_plain),
 }
 """What reads a file, by the ending of its name."""
+DRAWING = ".toml"
 WORDS = {
     "profile": ("wheel", "rail"),
     "y_positive": ("outside", "inside"),
@@ -49,19 +51,32 @@ def profile_of(given: str | Path, says: Sequence[str] = (), kind: Kind | None = 
     path = Path(given)
     if str(given) in shapes() and not path.exists():
         found = shape(str(given))
-        told = typed(says)
-        if "smoothing" in told:
-            found = found.smoothed(_length("smoothing", *told["smoothing"]))
+    elif path.suffix.lower() == DRAWING:
+        found = _drawing(path)
     elif path.suffix.lower() not in READERS:
         raise GeometryError(
             f"'{given}' is neither a shape nor a file of a profile by its ending; "
-            f"{choices(str(given), shapes())}; or give a file ({', '.join(READERS)})"
+            f"{choices(str(given), shapes())}; or give a file ({', '.join((*READERS, DRAWING))})"
         )
     else:
-        found = read_profile(path, says, kind)
+        found, says = read_profile(path, says, kind), ()  # what is said is done there
+    told = typed(says)
+    if "smoothing" in told:
+        found = found.smoothed(_length("smoothing", *told["smoothing"]))
     if kind is not None and found.kind != kind:
         raise GeometryError(f"{found.name} is a {found.kind}, and a {kind} is wanted there")
     return found
+
+
+def _drawing(path: Path) -> Profile:
+    """The profile of a drawing in a TOML file."""
+    try:
+        found = tomllib.loads(read_text(path, "profile"))
+    except tomllib.TOMLDecodeError as error:
+        raise GeometryError(f"{path.name} is no TOML: {error}; correct it there") from None
+    profile = drawn(path.name, found)
+    _ = profile.surface
+    return profile
 
 
 def read_profile(path: Path | str, says: Sequence[str] = (), kind: Kind | None = None) -> Profile:

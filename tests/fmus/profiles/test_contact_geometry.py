@@ -10,7 +10,7 @@ from fmus.profiles.conicity import RadiusDifference
 from fmus.profiles.flange import flange_of
 from fmus.profiles.geometry import Track, Wheelset, contact_geometry
 from fmus.profiles.profile import Profile
-from fmus.profiles.shapes import shape
+from fmus.profiles.shapes import shape, shapes
 from fmus.profiles.tables import contact_table
 
 RADIUS, SPACING, GAUGE = 0.46, 1.5, 1.435
@@ -63,6 +63,9 @@ def test_cones_on_circles_roll_and_grow_as_in_closed_form(crown):
     np.testing.assert_allclose(geometry.right.radius, right, atol=1e-12)
     np.testing.assert_allclose(geometry.left.angle, np.arctan(0.05) + roll, atol=1e-12)
     np.testing.assert_allclose(geometry.left.rail_curvature, 1 / crown, rtol=1e-5)
+    np.testing.assert_allclose(
+        geometry.left.along_curvature * geometry.left.radius, np.cos(np.arctan(0.05))
+    )
     assert np.abs(geometry.left.wheel_curvature).max() < 1e-8
     assert geometry.jumps == ()
 
@@ -188,6 +191,16 @@ def test_a_wheel_without_a_flange_has_a_table_of_its_tread():
     assert table.flange is None
     assert table.clearance == pytest.approx(8e-3)
     np.testing.assert_allclose(table.tread.wheel_curvature, 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", shapes())
+def test_a_shape_is_where_its_drawing_puts_it_without_gaps(name):
+    drawing, found = shapes()[name], shape(name)
+    y, z = found.points.T
+    level = np.interp(0.0, y, z) if found.kind == "wheel" else z.max()
+    assert level == pytest.approx(0.0, abs=1e-6)
+    assert all(drawing[key] for key in ("unit", "basis", "source", "description"))
+    assert np.hypot(*np.diff(found.points, axis=0).T).max() < 4e-4
 
 
 def test_the_flange_of_s1002_is_as_its_standard_names_it():

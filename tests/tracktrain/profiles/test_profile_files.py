@@ -111,6 +111,35 @@ def test_a_whole_section_of_a_rail_is_its_head(csv):
         profile_of(csv(around * (1, -1), said))
 
 
+DRAWING = """kind = "wheel"
+unit = "in"
+source = "mine"
+corners = [[-3, 0, 0], [-3, -1, 0.5], [-2, -1, 0.5], [-1.66, -0.083, 0.6], [2.7, 0.135, 0]]
+"""
+
+
+def test_a_drawing_of_ones_own_is_a_profile(tmp_path):
+    found = profile_of(written(tmp_path, "mine.toml", DRAWING))
+    assert found.flanged and "drawing: mine" in found.said
+    y, z = found.points.T
+    at = np.linspace(-0.02, 0.06, 9)
+    np.testing.assert_allclose(np.interp(at, y, z), 0.05 * at, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("corners", "coarse"), "mine.toml is no drawing: give kind, unit, source and one of"),
+        (('"in"', '"ft"'), "mine.toml is a wheel in ft; give kind wheel or rail, and unit mm"),
+        (("-3, 0, 0", "-3, 0"), "mine.toml: its corners cannot be drawn"),
+        (("= [", "= {"), "mine.toml is no TOML"),
+    ],
+)
+def test_a_bad_drawing_is_refused(tmp_path, change, message):
+    with pytest.raises((ParameterError, GeometryError), match=message):
+        profile_of(written(tmp_path, "mine.toml", DRAWING.replace(*change)))
+
+
 def test_a_missing_sign_is_asked_for(csv):
     with pytest.raises(GeometryError, match=r"'# z positive = up' or '\.\.\. = down'"):
         profile_of(csv(WHEEL, SAID.replace("z positive", "remark")))
