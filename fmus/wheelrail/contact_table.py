@@ -135,3 +135,24 @@ def as_text(table: ContactTable) -> str:
         rows = zip(*patch.columns().values(), strict=True)
         lines += [",".join([name, *(repr(float(value)) for value in row)]) for row in rows]
     return "\n".join(lines) + "\n"
+
+
+def of_text(text: str) -> ContactTable:
+    """The table of such a text; raises ParameterError."""
+    said = [line[2:] for line in text.splitlines() if line.startswith("# ")]
+    rows = [line.split(",") for line in text.splitlines() if line and not line.startswith("#")]
+    names = [field.name for field in fields(Patch)]
+    try:
+        heads = [head.partition(" [")[0] for head in rows[0]]
+        if heads != ["patch", *names]:
+            raise ValueError(f"the columns are {', '.join(heads)}")
+        radius = float(said[-1].removeprefix("rolling_radius = ").removesuffix(" m"))
+        parts: dict[str, list[list[float]]] = {}
+        for patch, *numbers in rows[1:]:
+            parts.setdefault(patch, []).append([float(number) for number in numbers])
+        patches = {name: Patch(*np.array(found).T) for name, found in parts.items()}
+        return ContactTable(said[0], radius, **patches, said=tuple(said[1:-1]))
+    except (ValueError, IndexError, TypeError) as error:
+        raise ParameterError(
+            f"a contact table cannot be read: {error}; 'tracktrain profile build' makes such"
+        ) from None

@@ -1,4 +1,4 @@
-"""The equations of a wheelset on profiles, (23) to (29): where it touches and what acts there."""
+"""The equations of a wheelset on profiles, (25) to (31): where it touches and what acts there."""
 
 from __future__ import annotations
 
@@ -69,12 +69,12 @@ class Wheels:
 
     def places(self) -> list[ca.SX]:
         """Shift of each tread, and climb of each flange if there is one [m]."""
-        # (25): the rail moves with the flange
+        # (27): the rail moves with the flange
         shifts = [ca.fmin(self.shift(side), self.clearance) for side in SIDES]
         return [*shifts, *(self.climb(side) for side in SIDES)]
 
     def climb(self, side: str) -> ca.SX:
-        """What the rail cannot give way by under the force that lifts the tread [m], (27)."""
+        """What the rail cannot give way by under the force that lifts the tread [m], (29)."""
         if self.columns.table.flange is None:
             return ca.SX(0)
         at = self.columns.first("flange")
@@ -109,7 +109,7 @@ class Wheels:
         }
 
     def _lift(self, side: str, at: Mapping[str, Any]) -> ca.SX:
-        """Friction up the flange over its normal force, as its lateral creepage asks, (26)."""
+        """Friction up the flange over its normal force, as its lateral creepage asks, (28)."""
         if self.law == LINEAR:  # whose flange has no friction
             return ca.SX(0)
         creep = motion(self.u, self.p)[0] / at["cosine"]
@@ -117,12 +117,12 @@ class Wheels:
         return -SIDES[side] * self.p["friction_coefficient"] * share
 
     def _lifting(self, side: str, at: Mapping[str, Any]) -> ca.SX:
-        """Normal force [N] of a flange that carries the wheel's load alone, (27)."""
+        """Normal force [N] of a flange that carries the wheel's load alone, (29)."""
         borne = at["cosine"] + self._lift(side, at) * at["sine"]
         return ca.fmax(self.u[f"load_{side}"], 0) / ca.fmax(borne, STEEP)
 
     def _touches(self, side: str, at: Mapping[tuple[str, str], Signals]) -> list[Touch]:
-        """Tread, and flange if there is one, (28)."""
+        """Tread, and flange if there is one, (30)."""
         tread, flange = at[side, "tread"], at.get((side, "flange"))
         load = ca.fmax(self.u[f"load_{side}"], 0)
         if flange is None:
@@ -139,7 +139,7 @@ class Wheels:
     def _touch(self, side: str, at: Signals, normal: ca.SX, slips: bool = True) -> Touch:
         """A contact under a normal force [N]; slips: whether it has creep forces."""
         creep_y, turning = motion(self.u, self.p)
-        # (23)
+        # (25)
         creepages = {
             "creep_x": -(at["widening"] + SIDES[side] * at["arm"] * turning),
             "creep_y": creep_y / at["cosine"],
@@ -151,7 +151,7 @@ class Wheels:
         return Touch(SIDES[side], at, normal, self._loaded(creepages, at, force), grip)
 
     def _loaded(self, creepages: Signals, at: Signals, force: ca.SX) -> Contact:
-        """Hertz' ellipse and Kalker's coefficients under a normal force [N], (24)."""
+        """Hertz' ellipse and Kalker's coefficients under a normal force [N], (26)."""
         size = (force * self.d["compliance"]) ** (1 / 3)
         stiffness = self.p["shear_modulus"] * size**2
         return Contact(
@@ -185,19 +185,21 @@ class Wheels:
     def _wheel(
         self, side: str, touches: Sequence[Touch], common: ca.SX
     ) -> tuple[Any, Any, dict[str, Any]]:
-        """Lateral force and yaw moment of the contacts of one wheel, (29), and its outputs."""
+        """Lateral force and yaw moment of the contacts of one wheel, (31), and its outputs."""
         u, p, sign, tread, flange = self.u, self.p, SIDES[side], touches[0], touches[1:]
+        yaw = u["yaw"] - u["path_yaw"]
         force_x: Any = 0
-        force_y, moment_z, sizes = force_x, force_x, force_x
+        force_y, moment_z, sizes, wear = force_x, force_x, force_x, force_x
         for touch in touches:
             contact, at = touch.contact.rolling(common), touch.at
             along, across, spin = (touch.grip * f for f in LAWS.get(self.law, kalker)(contact))
             force_x += along
             force_y += across * at["cosine"]
+            wear += ca.fabs(along * contact.creep_x) + ca.fabs(across * contact.creep_y)  # (24)
             sizes += ca.sqrt(along**2 + across**2 + TINY_FORCE**2)
             moment_z += spin * at["cosine"] - sign * at["arm"] * along
             # yaw moves a contact forwards, and its normal force with it
-            moment_z += p["gravity_yaw"] * sign * at["ahead"] * u["yaw"] * touch.lateral
+            moment_z += p["gravity_yaw"] * sign * at["ahead"] * yaw * touch.lateral
         pushing = p["gravity_factor"] * tread.lateral + sum(touch.lateral for touch in flange)
         least = 0.5 * LIFTED * p["axle_load"]
         borne = ca.fmax(sum(touch.normal for touch in touches), least)
@@ -208,6 +210,7 @@ class Wheels:
             "creep_y": tread.contact.creep_y,
             "l_over_v": -sign * (force_y + pushing) / ca.fmax(u[f"load_{side}"], least),
             "saturation": sizes / (p["friction_coefficient"] * borne),
+            "wear_number": wear,
             "load_ratio": u[f"load_{side}"] / (0.5 * p["axle_load"]),
             "clearance": self.clearance - self.shift(side),
             "normal_force": tread.normal,

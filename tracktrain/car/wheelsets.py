@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import zipfile
 from dataclasses import replace
+from pathlib import Path
 
+from fmus.errors import ParameterError
 from fmus.export.wheelrail import wheelrail_fmu
-from fmus.wheelrail.contact_table import ContactTable
+from fmus.wheelrail.contact_table import IN_FMU, ContactTable, of_text
 from fmus.wheelrail.profiled import FROM_TABLE
 from orchestrator import System, in_unit
 
@@ -23,12 +26,26 @@ def nominal_radius(system: System) -> float:
     return in_unit(radius, "m", "rolling_radius")
 
 
-def with_profiles(system: System, table: ContactTable) -> tuple[System, list[str]]:
-    """The car with all four wheelsets on the profiles of a contact table; and notes.
+def of_fmu(path: Path) -> ContactTable:
+    """The contact table in an FMU; raises fmus.ParameterError."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return of_text(archive.read(IN_FMU).decode())
+    except OSError as error:
+        raise ParameterError(f"'{path}' cannot be read: {error.strerror}") from None
+    except (zipfile.BadZipFile, KeyError):
+        raise ParameterError(
+            f"'{path}' is no FMU of a wheelset on profiles ({IN_FMU}); 'tracktrain profile build' "
+            "makes such; --swap wheelset_11=FMU takes any other"
+        ) from None
 
-    The FMU is built when it is first asked for. Raises HopperError.
+
+def with_profiles(system: System, pair: ContactTable | Path) -> tuple[System, list[str]]:
+    """The car with all four wheelsets on the profiles of a table, or of its FMU; and notes.
+
+    The FMU is built when it is first asked for. Raises HopperError, fmus.ParameterError.
     """
-    fmu = wheelrail_fmu(table)
+    table, fmu = (of_fmu(pair), pair) if isinstance(pair, Path) else (pair, wheelrail_fmu(pair))
     layout = layout_of(system)
     wheelsets = [w for truck in layout.trucks for w in truck.wheelsets]
     notes = [f"profiles {table.name}: {'; '.join(table.said)}"]

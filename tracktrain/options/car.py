@@ -193,6 +193,25 @@ def carbody_option() -> Option:
     )
 
 
+def wheel_option() -> Option:
+    """--wheel, the profile of all wheels."""
+    return click.option(
+        "--wheel",
+        metavar="FILE",
+        help="Profile of all wheels, with --rail: a file or a name, such as worn; or the FMU that "
+        "`tracktrain profile build` makes of both. Real contact geometry instead of cones.",
+    )
+
+
+def rail_option() -> Option:
+    """--rail, the profile of both rails."""
+    return click.option(
+        "--rail",
+        metavar="FILE",
+        help="Profile of both rails, with --wheel: a file or a name, such as crown.",
+    )
+
+
 def swap_option(**more: Any) -> Option:
     """--swap, FMUs in the place of instances."""
     return click.option(

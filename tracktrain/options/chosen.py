@@ -17,11 +17,13 @@ from .car import (
     carbody_option,
     fmu_of,
     is_track_file,
+    rail_option,
     seed_option,
     set_option,
     speed_option,
     swap_option,
     track_option,
+    wheel_option,
 )
 from .fields import adding
 from .types import Assignment, Quantity
@@ -35,7 +37,10 @@ Assigned = tuple[str, str, str]
 STEP = 1e-3
 """Of a run of the hopper car [s]."""
 
-CAR_ONLY = ("car", "speed", "speed_profile", "track", "seed", "initials", "carbody")
+CAR_ONLY = (
+    *("car", "speed", "speed_profile", "track", "seed", "initials"),
+    *("carbody", "wheel", "rail"),
+)
 """Options that make no sense for a system from a file."""
 
 _OPTIONS = (
@@ -82,6 +87,8 @@ _OPTIONS = (
         help="Displace a truck or the carbody at the start. Repeatable.",
     ),
     carbody_option(),
+    wheel_option(),
+    rail_option(),
     swap_option(),
     click.option(
         "--map",
@@ -112,6 +119,8 @@ class Shape:
     settings: Sequence[Assigned] = ()
     initials: Sequence[Assigned] = ()
     carbody: Path | None = None
+    wheel: str | None = None
+    rail: str | None = None
     swaps: Sequence[Assigned] = ()
     maps: Sequence[Assigned] = ()
     drives: Sequence[Assigned] = ()
@@ -148,6 +157,9 @@ def chosen_car(shape: Shape) -> System:
                 f"'{shape.carbody}' and --swap {own} both give the carbody; leave out one of them"
             )
         system, said = with_carbody(system, shape.carbody, shape.car)
+        notes += said
+    if shape.wheel is not None or shape.rail is not None:
+        system, said = _on_profiles(system, shape)
         notes += said
     port_maps = _port_maps(shape)
     for instance, _, given in shape.swaps:
@@ -187,6 +199,28 @@ def _own_track(system: System, shape: Shape) -> TrackData:
         stop = profile.times[-1]
     timed = _timed(replace(system, experiment=Experiment(0.0, stop, STEP)), shape)
     return track_for(timed, shape.track, shape.seed)
+
+
+def _on_profiles(system: System, shape: Shape) -> tuple[System, list[str]]:
+    """The car on profiles, of a wheel and a rail or of an FMU that was made of such; and notes."""
+    from ..car.wheelsets import nominal_radius, with_profiles
+    from ..profiles.pairing import Pairing, contact_table
+
+    if shape.wheel is not None and Path(shape.wheel).suffix.lower() == ".fmu":
+        if shape.rail is not None:
+            raise TracktrainError(
+                f"'{shape.wheel}' has its rail already; leave out --rail, or give the wheel's "
+                "own profile"
+            )
+        return with_profiles(system, Path(shape.wheel))
+    if shape.wheel is None or shape.rail is None:
+        given, other = ("--wheel", "--rail") if shape.rail is None else ("--rail", "--wheel")
+        raise TracktrainError(
+            f"{given} alone makes no contact; give {other}, too: a file, or the name of a profile"
+        )
+    radius = nominal_radius(system)
+    table = contact_table(shape.wheel, shape.rail, Pairing(rolling_radius=radius))
+    return with_profiles(system, table)
 
 
 def chosen_file(

@@ -33,7 +33,7 @@ SYSTEM = "system"
 NO_KEYS = ("file", "help", "quiet", "as_json", "resume", "again", "live", "save", "schema")
 """Options that say nothing of the run itself."""
 
-FILES = ("--swap", "--map", "--drive", "--track")
+FILES = ("--swap", "--map", "--drive", "--track", "--wheel", "--rail")
 """Options whose text may be the path of a file."""
 
 

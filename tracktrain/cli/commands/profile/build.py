@@ -1,0 +1,60 @@
+"""The command `tracktrain profile build`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from fmus.names import FMI_VERSIONS
+
+from ....options.profiles import pairing_options
+from ....terminal import writable
+
+
+@click.command(
+    epilog="""\b
+Examples:
+  tracktrain profile build worn crown -o worn.fmu
+  tracktrain profile build my_wheel.csv 60e1 --gauge "1435 mm" --gauge-depth "14 mm" --target all
+  tracktrain run --wheel worn.fmu"""
+)
+@click.argument("wheel")
+@click.argument("rail")
+@click.option(
+    "--out",
+    "-o",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE",
+    help="FMU to write.  [default: WHEEL_RAIL.fmu]",
+)
+@click.option("--fmi", type=click.Choice(FMI_VERSIONS), default="2.0", show_default=True)
+@click.option(
+    "--target",
+    "targets",
+    multiple=True,
+    default=("host",),
+    metavar="TARGET",
+    help="Platform whose binaries the FMU holds, as for `tracktrain build`. Repeatable.",
+)
+@pairing_options()
+def command(
+    wheel: str, rail: str, out: Path | None, fmi: str, targets: tuple[str, ...], **pairing: Any
+) -> None:
+    """Make the FMU of a wheelset on two rails, for this car or for another tool.
+
+    WHEEL and RAIL are files, or names of profiles that are known here.
+    """
+    from fmus.export.wheelrail import build_wheelrail
+
+    from ....profiles.pairing import Pairing, contact_table
+
+    says = pairing.pop("says")
+    table = contact_table(wheel, rail, Pairing(**pairing), says)
+    path = out or Path(f"{Path(wheel).stem}_{Path(rail).stem}.fmu")
+    writable(path.parent)
+    build_wheelrail(table, path, fmi, targets)
+    click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
+    for line in table.said:
+        click.echo(f"  {line}")
