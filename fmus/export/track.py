@@ -8,10 +8,16 @@ from pathlib import Path
 
 from ..describe.parameters import DEFAULT_SET, parameter_set
 from ..names import identifier
+from ..track.laid import LaidTrack
 from ..track.recorded import RecordedTrack, reference
 from ..track.recorded_data import IN_FMU, TrackData, as_text
 from .product import Product
 from .single import build_single, kept
+
+
+def track_block(data: TrackData, name: str = "track") -> RecordedTrack:
+    """The block of a track, straight or along its line."""
+    return RecordedTrack(data, name) if data.line is None else LaidTrack(data, name)
 
 
 def build_track(
@@ -22,7 +28,7 @@ def build_track(
     platforms: names of compiler.TARGETS, `host` or `all`. Raises CompileError, or OSError for a
     place that cannot be written.
     """
-    block = RecordedTrack(data, identifier(out.stem, "track"))
+    block = track_block(data, identifier(out.stem, "track"))
     parameters = parameter_set(DEFAULT_SET)
     known = reference(data, block, parameters.values(block))
     product = Product(block, parameters, known, {IN_FMU: as_text(data).encode()})

@@ -50,17 +50,23 @@ class RecordedTrack(Rails):
                 default=data.first,
             ),
         )
+        spline = data.spline
+        self.table = self._table(spline(spline.x), spline(spline.x, 1), len(AXLES))
+
+    def _table(self, values: np.ndarray, slopes: np.ndarray, station_count: int) -> Table:
+        """Of rows (n, nodes) at equal distances; the channels come first and have their factors."""
         page, scale = ca.MX.sym("page"), ca.MX.sym("scale", len(CHANNELS))
-        pages = _pages(data)
+        pages = _pages(values, slopes)
         flat = ca.MX(ca.DM(pages.flatten("F")))
         size, last = pages.shape[0] * NODES, pages.shape[1] // NODES - 1
         at = ca.fmax(ca.fmin(page, last), 0) * size + ca.DM(np.arange(size))
-        rows = ca.repmat(ca.vec(ca.horzcat(scale, scale).T), 1, NODES)
-        self.table = Table(
-            spacing=data.spacing,
+        factors = ca.vertcat(scale, ca.DM.ones(len(values) - len(CHANNELS)))
+        rows = ca.repmat(ca.vec(ca.horzcat(factors, factors).T), 1, NODES)
+        return Table(
+            spacing=self.data.spacing,
             nodes_per_page=NODES,
-            values=2 * len(CHANNELS),
-            station_count=len(AXLES),
+            values=2 * len(values),
+            station_count=station_count,
             page=ca.Function(
                 "page", [page, scale], [rows * ca.reshape(flat[at], pages.shape[0], NODES)]
             ),
@@ -75,15 +81,14 @@ class RecordedTrack(Rails):
         return self.travelled(x, p) + (p["start"] - self.data.first)
 
 
-def _pages(data: TrackData) -> np.ndarray:
-    """Value and slope of each channel (8, nodes) in whole pages; the last one holds the end."""
-    nodes = data.stations - data.first
-    count = nodes.size
+def _pages(values: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+    """Value and slope of each row (2 rows, nodes) in whole pages; the last one holds the end."""
+    count = values.shape[1]
     padded = (count // NODES + 2) * NODES
-    table = np.zeros((2 * len(CHANNELS), padded))
-    table[0::2, :count] = data.values
-    table[0::2, count:] = data.values[:, -1:]
-    table[1::2, :count] = data.spline(nodes, 1)
+    table = np.zeros((2 * len(values), padded))
+    table[0::2, :count] = values
+    table[0::2, count:] = values[:, -1:]
+    table[1::2, :count] = slopes
     return table
 
 

@@ -22,10 +22,14 @@ SIGNS = (
     "# profile positive = up",
     "# cross_level positive = left high",
 )
+LINE_SIGNS = ("# curvature positive = left", "# cant positive = left high")
 """What the signs mean in the text of a track, as CONVENTIONS.md has them."""
 
 HEADS = ("alignment", "profile", "cross_level", "gauge_deviation")
 """Columns of the text, in the order of `CHANNELS`."""
+
+LINE = {"curvature": "1/m", "cant": "m"}
+"""Columns of the line that the track follows, with their units."""
 
 
 @dataclass(frozen=True)
@@ -34,8 +38,9 @@ class TrackData:
 
     first: station of the first values [m]. spacing: from one station to the next [m]. values:
     (4, stations) [m], in the order of `CHANNELS`; the gauge less the nominal one. said: where they
-    come from and what was done to them, a line each. Raises ParameterError for values that make no
-    track.
+    come from and what was done to them, a line each. line: (2, stations), curvature [1/m] to the
+    left and cant [m] with the left rail high; None: straight. Raises ParameterError for values that
+    make no track.
     """
 
     name: str
@@ -43,6 +48,7 @@ class TrackData:
     spacing: float
     values: np.ndarray
     said: tuple[str, ...] = ()
+    line: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         count = self.values.shape[-1]
@@ -55,6 +61,11 @@ class TrackData:
             raise ParameterError(
                 f"{self.name} has values that are not finite, or a spacing of {self.spacing:g} m; "
                 "give finite numbers and a spacing above zero"
+            )
+        if self.line is not None and self.line.shape != (len(LINE), count):
+            raise ParameterError(
+                f"{self.name} has a line of the shape {self.line.shape}; give "
+                f"({len(LINE)}, stations) for {', '.join(LINE)}"
             )
 
     @property
@@ -80,8 +91,11 @@ class TrackData:
 
 def as_text(data: TrackData) -> str:
     """The track as CSV, to the last bit: said lines and signs after #, then a row for a station."""
-    lines = [f"# {line}" for line in data.said] + list(SIGNS)
-    lines.append(",".join(f"{head} [m]" for head in ("station", *HEADS)))
-    rows = zip(data.stations, *data.values, strict=True)
+    bent = data.line is not None
+    lines = [f"# {line}" for line in data.said] + [*SIGNS, *(LINE_SIGNS if bent else ())]
+    heads = [f"{head} [m]" for head in ("station", *HEADS)]
+    heads += [f"{head} [{unit}]" for head, unit in LINE.items() if bent]
+    lines.append(",".join(heads))
+    rows = zip(data.stations, *data.values, *(data.line if bent else ()), strict=True)
     lines += [",".join(repr(float(value)) for value in row) for row in rows]
     return "\n".join(lines) + "\n"

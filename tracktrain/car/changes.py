@@ -42,7 +42,7 @@ def swapped(
         raise HopperError(
             f"'{path}' cannot stand in for {instance}: it lacks the ports {', '.join(missing)}; "
             f"give an FMU with all ports of the block '{block}', or a map that says what they are "
-            "called"
+            f"called{_straight(system, instance, missing)}"
         )
     swap = system.with_fmu(instance, path, ports)
     component = swap.components[instance]
@@ -66,11 +66,50 @@ def swapped(
     ]
     if ports is not None and ports.rates:
         notes.append(f"{label}: {differentiated(ports)}")
-    optional = set(layout_of(system).optional_connections())
+    optional = _optional(system)
     connections = tuple(
         c for c in swap.connections if c not in optional or not _ends_in(c, instance, absent)
     )
+    if any(_ends_in(c, instance, absent) for c in in_curves(system)):
+        notes.append(
+            f"{label} knows no curves: the forces that carry its own masses round a curve are left "
+            "out, and what they add to the loads"
+        )
     return replace(swap, components=components, connections=connections), notes
+
+
+def curved(system: System) -> System:
+    """The car on a track with curves as its track is, with what its blocks need of that.
+
+    Raises HopperError for a block that lacks it.
+    """
+    layout = layout_of(system)
+    connections = tuple(layout.curve_connections())
+    for connection in connections:
+        instance, _, port = connection.target.partition(".")
+        if describe(_fmu(system, instance)).find(port) is None:
+            raise HopperError(
+                f"{instance} cannot run in a curve: '{_fmu(system, instance)}' lacks the port "
+                f"{port}; run it on straight track, or build it again with such ports"
+            )
+    return replace(system, connections=(*system.connections, *connections))
+
+
+def in_curves(system: System) -> set[Connection]:
+    """The connections of a system that only a track with curves gives."""
+    return {*layout_of(system).curve_connections()} & {*system.connections}
+
+
+def _optional(system: System) -> set[Connection]:
+    """Connections that an FMU may lack an end of."""
+    layout = layout_of(system)
+    return {*layout.optional_connections(), *layout.trucks_in_curves()}
+
+
+def _straight(system: System, instance: str, missing: Collection[str]) -> str:
+    """That an FMU fits on straight track, where it does."""
+    bent = {c.target.partition(".")[2] for c in in_curves(system)}
+    return "; it can on straight track, without curves" if {*missing} <= bent else ""
 
 
 def driven(system: System, instance: str, name: str, table: str) -> tuple[System, Profile]:
@@ -100,7 +139,7 @@ def seen(
 
 def connected_ports(system: System, instance: str) -> set[str]:
     """Names of the variables that an FMU standing in for `instance` must have."""
-    optional = set(layout_of(system).optional_connections())
+    optional = _optional(system)
     needed = (c for c in system.connections if c not in optional)
     ends = [end for c in needed for end in (c.source, c.target)]
     owned = (end.partition(".")[::2] for end in ends)

@@ -13,6 +13,8 @@ from ..scales import ACCELERATION, DISPLACEMENT, FORCE, RATIO, Scale
 SIDES = ("left", "right")
 VELOCITY_OF = {"force_y": "vy", "force_z": "vz", "moment_x": "wx", "moment_z": "wz"}
 """What each force and moment works on."""
+FRAME = ("ay", "az", "wx_dot", "wz_dot")
+"""Accelerations of the car's frame in a curve."""
 
 
 @dataclass(frozen=True)
@@ -184,6 +186,25 @@ class Layout:
                 acceleration = f"rail_az_{side}"
                 rail = f"{self.track}.axle[{number}]"
                 yield Connection(f"{rail}.{acceleration}", f"{axle.port}.{acceleration}")
+
+    def curve_connections(self) -> Iterator[Connection]:
+        """What a track with curves gives besides: accelerations of the frame, the way over ground.
+
+        Those of the trucks come last.
+        """
+        for number, axle in enumerate(self.axles, start=1):
+            yield Connection(f"{self.track}.axle[{number}].path_yaw", f"{axle.wheelset}.path_yaw")
+            yield Connection(f"{self.track}.curvature", f"{axle.wheelset}.path_curvature")
+        for name in FRAME:
+            yield Connection(f"{self.track}.frame.{name}", f"{self.carbody}.frame.{name}")
+        yield from self.trucks_in_curves()
+
+    def trucks_in_curves(self) -> Iterator[Connection]:
+        """Those that carry the trucks' own masses along, which a truck may do without."""
+        for number, truck in enumerate(self.trucks, start=1):
+            for name in FRAME:
+                source = f"truck[{number}].ay" if name == "ay" else f"frame.{name}"
+                yield Connection(f"{self.track}.{source}", f"{truck.instance}.frame.{name}")
 
     def bonds(self) -> Iterator[PowerBond]:
         """Each force or moment with the velocity that it works on."""

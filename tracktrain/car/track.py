@@ -13,20 +13,22 @@ from fmus.track.recorded_data import IN_FMU, TrackData
 from orchestrator import Profile, System, in_unit
 
 from ..geometry.errors import GeometryError
-from ..geometry.making import drawn
+from ..geometry.layout import length_of, read_layout, with_layout
+from ..geometry.making import drawn, empty, with_spectrum
 from ..geometry.measured import UNITS, read_track, track_of
 from ..geometry.spectra import is_spectrum_file
 from ..geometry.table import read_table
-from .changes import swapped
+from .changes import curved, swapped
 from .hopper import layout_of
 
 DRAWN = ("spectrum", "seed", "report_rms", "wavelength_min", "wavelength_max", "gauge_range")
 """Parameters of a drawn track, which a recorded one has not."""
 
-START = "start"
+START, APART = "start", "half_contact_spacing"
 
 BEYOND, SPACING = 10.0, 0.25
-"""Track behind the end of the run, and from station to station, of a spectrum in a file [m]."""
+"""Track behind the end of the run, of a spectrum in a file; from station to station of it and of a
+layout [m]."""
 
 
 def track_data(path: Path | str, says: Sequence[str] = ()) -> TrackData:
@@ -74,7 +76,32 @@ def with_track(system: System, track: TrackData | Path | str) -> tuple[System, l
     components = {**system.components, instance: replace(drawn, parameters=kept)}
     swap, notes = swapped(replace(system, components=components), instance, track_fmu(data))
     said = f"track {data.name}, {data.first:.6g} to {data.last:.6g} m: {'; '.join(data.said)}"
+    if data.line is not None:
+        wheelset = system.components[layout_of(system).leading.wheelset].parameters
+        apart = {APART: wheelset[APART]} if APART in wheelset else {}
+        swap = curved(swap).with_values({instance: apart})
     return swap, [said, *notes]
+
+
+def on_layout(layout: Path | str, track: str, seed: int = 1, says: Sequence[str] = ()) -> TrackData:
+    """The track of a file of elements, under a spectrum of `TRACKS` or over stations of a file.
+
+    Raises GeometryError.
+    """
+    elements, name = read_layout(layout), Path(layout).name
+    if Path(track).suffix and not is_spectrum_file(Path(track)):
+        return with_layout(track_data(track, says), elements, name)
+    plain = empty(Path(layout).stem, length_of(elements), SPACING)
+    if track != "perfect":
+        plain = with_spectrum(plain, track, seed)
+    return with_layout(plain, elements, name)
+
+
+def time_over(system: System, data: TrackData) -> float:
+    """How long the car needs to the end of the track at its speed [s]."""
+    track = system.components[layout_of(system).track].parameters
+    start = in_unit(track.get(START, data.first), "m", START)
+    return (data.last - start) / in_unit(track.get("speed", 0.0), "m/s", "speed")
 
 
 def check_length(system: System, data: TrackData, file: Path | str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -82,9 +83,7 @@ def with_shapes(track: TrackData, shapes: Sequence[Shape]) -> TrackData:
 
 
 def _with(track: TrackData, added: Array, said: Sequence[str]) -> TrackData:
-    return TrackData(
-        track.name, track.first, track.spacing, track.values + added, (*track.said, *said)
-    )
+    return replace(track, values=track.values + added, said=(*track.said, *said))
 
 
 def _drawn(track: TrackData, spectrum: str, seed: int, waves: Band | None) -> tuple[Array, Band]:

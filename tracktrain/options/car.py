@@ -127,6 +127,17 @@ def track_option(default: str = TRACK, files: bool = False) -> Option:
     )
 
 
+def layout_option() -> Option:
+    """--layout, the line that the track follows."""
+    return click.option(
+        "--layout",
+        type=click.Path(path_type=Path, dir_okay=False),
+        metavar="FILE",
+        help="Curves, transitions and cant of the line as TOML or CSV, under the irregularities of "
+        "--track (docs/curves.md); unless --duration is given, the run is as long as the line.",
+    )
+
+
 def say_option() -> Option:
     """--say, what a file of track geometry does not."""
     return click.option(

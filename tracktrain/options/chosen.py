@@ -17,6 +17,7 @@ from .car import (
     carbody_option,
     fmu_of,
     is_track_file,
+    layout_option,
     rail_option,
     seed_option,
     set_option,
@@ -38,8 +39,8 @@ STEP = 1e-3
 """Of a run of the hopper car [s]."""
 
 CAR_ONLY = (
-    *("car", "speed", "speed_profile", "track", "seed", "initials"),
-    *("carbody", "wheel", "rail"),
+    *("car", "speed", "speed_profile", "track", "layout", "seed"),
+    *("initials", "carbody", "wheel", "rail"),
 )
 """Options that make no sense for a system from a file."""
 
@@ -54,6 +55,7 @@ _OPTIONS = (
         "the run is as long as the table.",
     ),
     track_option(files=True),
+    layout_option(),
     seed_option(),
     click.option(
         "--duration",
@@ -113,6 +115,7 @@ class Shape:
     speed: float = SPEED
     speed_profile: Path | None = None
     track: str = TRACK
+    layout: Path | None = None
     seed: int = 1
     duration: float | None = None
     step: float | None = None
@@ -137,7 +140,7 @@ def chosen_car(shape: Shape) -> System:
 
     from ..car import changes, hopper
 
-    own_track = is_track_file(shape.track)
+    own_track = is_track_file(shape.track) or shape.layout is not None
     named = "perfect" if own_track else shape.track
     system = hopper.hopper_car(shape.car, shape.speed, named, shape.seed)
     notes: list[str] = []
@@ -177,21 +180,27 @@ def chosen_car(shape: Shape) -> System:
     for instance, name, table in shape.drives:
         system, _ = changes.driven(system, instance, name, table)
     system = replace(system, notes=tuple(notes), experiment=Experiment(0.0, stop, STEP))
-    system = _timed(system, shape)
-    if stations is not None:
-        from ..car.track import check_length
+    if stations is None:
+        return _timed(system, shape)
+    from ..car.track import check_length, time_over
 
-        check_length(system, stations, shape.track)
+    if shape.layout is not None and shape.duration is None and shape.speed_profile is None:
+        end = time_over(system, stations)
+        system = replace(system, experiment=Experiment(0.0, end - end % STEP, STEP))
+    system = _timed(system, shape)
+    check_length(system, stations, shape.layout or shape.track)
     return system
 
 
 def _own_track(system: System, shape: Shape) -> TrackData:
-    """The track of a file; of a spectrum's, one as long as the run."""
+    """The track of a file or along a layout; of a spectrum's file, one as long as the run."""
     from orchestrator import Experiment
 
     from ..car import changes, hopper
-    from ..car.track import track_for
+    from ..car.track import on_layout, track_for
 
+    if shape.layout is not None:
+        return on_layout(shape.layout, shape.track, shape.seed)
     stop = DURATION
     if shape.speed_profile is not None:
         instance = hopper.layout_of(system).track
