@@ -118,8 +118,8 @@ class LaidTrack(RecordedTrack):
         y |= {"curvature": curvature, "cant": cant, _LATERAL: ay, "frame.az": press,
               "frame.wx_dot": 0.5 * speed_2 * bend[2] / p["half_contact_spacing"],
               "frame.wz_dot": wz_dot}  # fmt: skip
-        for j, sign in zip(TRUCKS, (1, -1), strict=True):
-            y[f"truck[{j}].ay"] = ay + sign * p["half_truck_spacing"] * wz_dot
+        for j, ahead in zip(TRUCKS, (1, -1), strict=True):
+            y[f"truck[{j}].ay"] = ay + ahead * p["half_truck_spacing"] * wz_dot
         for i, axle in enumerate(AXLES):
             (_, place, high), _, (_, _, twist) = (ca.vertsplit(part) for part in found[i])
             sideways = place - middle - at[i] * slope[1]  # (16)

@@ -91,11 +91,11 @@ class TrackData:
 
 def as_text(data: TrackData) -> str:
     """The track as CSV, to the last bit: said lines and signs after #, then a row for a station."""
-    bent = data.line is not None
+    bent = () if data.line is None else tuple(data.line)
     lines = [f"# {line}" for line in data.said] + [*SIGNS, *(LINE_SIGNS if bent else ())]
     heads = [f"{head} [m]" for head in ("station", *HEADS)]
     heads += [f"{head} [{unit}]" for head, unit in LINE.items() if bent]
     lines.append(",".join(heads))
-    rows = zip(data.stations, *data.values, *(data.line if bent else ()), strict=True)
+    rows = zip(data.stations, *data.values, *bent, strict=True)
     lines += [",".join(repr(float(value)) for value in row) for row in rows]
     return "\n".join(lines) + "\n"

@@ -11,17 +11,18 @@ from scipy import signal
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import median_filter
 
-from fmus.track.recorded_data import FEWEST, TrackData
+from fmus.track.recorded_data import FEWEST, LINE, TrackData
 from fmus.track.spectra import CHANNELS
 
 from .chords import inverted
 from .errors import GeometryError
+from .layout import LEAST_RADIUS
 from .said import SIGNS, Said, typed
 from .table import STATION, Array, Table, read_table, read_text
 
 RAILS = ("left_alignment", "right_alignment", "left_profile", "right_profile")
 UNITS = {STATION: "m", "alignment": "m", "profile": "m", "cross_level": "m", "gauge": "m",
-         "gauge_deviation": "m", "curvature": "1/m", **dict.fromkeys(RAILS, "m")}  # fmt: skip
+         "gauge_deviation": "m", **dict.fromkeys(RAILS, "m"), **LINE}  # fmt: skip
 """Columns, and their units in SI."""
 
 LARGEST = 0.15
@@ -77,14 +78,21 @@ def track_of(table: Table, name: str, says: Sequence[str] = ()) -> TrackData:
         if chord is not None and channel in values:
             values[channel], told = inverted(values[channel], spacing, chord, table.file, channel)
             notes.append(told)
+    whole = values.get("cross_level")
     if said.longest_wave is not None:
         _take_out_long_waves(reading, values, spacing, said.longest_wave)
+    line = _line(reading, grid, whole, values.get("cross_level"))
     for channel, found in values.items():
         _check_size(reading, channel, found, grid)
     zero = np.zeros(count)
     rows = np.array([values.get(channel, zero) for channel in CHANNELS])
     return TrackData(
-        name, float(stations[0]), spacing, rows, (*table.remarks, f"from {table.file}", *notes)
+        name,
+        float(stations[0]),
+        spacing,
+        rows,
+        (*table.remarks, f"from {table.file}", *notes),
+        line,
     )
 
 
@@ -136,8 +144,6 @@ def _channels(reading: _Reading) -> dict[str, Array]:
         found["gauge"] = columns["gauge"] - said.nominal_gauge
     if "gauge_deviation" in columns:
         found["gauge"] = columns["gauge_deviation"]
-    if "curvature" in columns:
-        reading.notes.append("the column curvature is kept aside: the car runs on straight track")
     absent = [channel for channel in CHANNELS if channel not in found]
     if absent and said.absent_channels == "refuse":
         raise GeometryError(
@@ -180,6 +186,40 @@ def _sign(reading: _Reading, channel: str) -> float:
             "--say of 'tracktrain track')"
         )
     return 1.0 if word == ours else -1.0
+
+
+def _line(reading: _Reading, grid: Array, whole: Array | None, rest: Array | None) -> Array | None:
+    """Curvature and cant on the grid; None for straight track.
+
+    whole, rest: the cross-level before and after long waves were taken out, whose difference is the
+    cant of a file without such a column.
+    """
+    columns, file = reading.table.columns, reading.table.file
+    if "curvature" not in columns:
+        if "cant" in columns and np.any(columns["cant"]):
+            raise GeometryError(
+                f"{file} has a cant and no column curvature: cant without a curve would tip the "
+                "car; give the curvature, or call the column cross_level"
+            )
+        return None
+    line = np.zeros((len(LINE), len(grid)))
+    for row, name in enumerate(LINE):
+        if name in columns:
+            line[row] = _sign(reading, name) * _on_grid(reading, name, columns[name], grid)
+    largest = int(np.argmax(np.abs(line[0])))
+    if abs(line[0, largest]) * LEAST_RADIUS > 1:
+        row = int(np.argmin(np.abs(reading.table.columns[STATION] - grid[largest])))
+        raise GeometryError(
+            f"{reading.place(row)}: a curvature of {line[0, largest]:.4g} 1/m is a radius of "
+            f"{1 / abs(line[0, largest]):.4g} m, and {LEAST_RADIUS:g} m is the least; correct the "
+            "number or its unit"
+        )
+    if "cant" not in columns and whole is not None and rest is not None and whole is not rest:
+        line[1] = whole - rest
+        reading.notes.append("cant: what was taken out of the cross-level")
+    elif "cant" not in columns:
+        reading.notes.append("no cant: zero; a cross-level with the cant in it counts as such")
+    return line
 
 
 def _check_gauge(table: Table) -> None:

@@ -14,6 +14,8 @@ SIGNS = {
     "alignment_positive": ("left", "right"),
     "profile_positive": ("up", "down"),
     "cross_level_positive": ("left high", "right high"),
+    "curvature_positive": ("left", "right"),
+    "cant_positive": ("left high", "right high"),
 }
 """What a positive number means; the first one is that of our axes."""
 
@@ -22,7 +24,8 @@ LENGTHS = {
     "profile_chord": "chord of a mid-chord offset that the profile is",
     "nominal_gauge": "what the gauge is compared with",
     "longest_gap": "stretch without values that is interpolated over",
-    "longest_wave": "waves beyond it are taken out of alignment, profile and cross-level",
+    "longest_wave": "waves beyond it are taken out of alignment, profile and cross-level; with "
+    "curvature and without cant, what is taken out of the cross-level is the cant",
 }
 WORDS = {
     **SIGNS,
@@ -49,6 +52,8 @@ class Said:
     alignment_positive: str | None = None
     profile_positive: str | None = None
     cross_level_positive: str | None = None
+    curvature_positive: str | None = None
+    cant_positive: str | None = None
     spikes: str = "keep"
     absent_channels: str = "refuse"
     alignment_chord: float | None = None

@@ -127,14 +127,17 @@ def track_option(default: str = TRACK, files: bool = False) -> Option:
     )
 
 
-def layout_option() -> Option:
-    """--layout, the line that the track follows."""
+def layout_option(run: bool = True) -> Option:
+    """--layout, the line that the track follows; run: of a command that runs the car on it."""
+    meaning = "Curves, transitions and cant of the line as TOML or CSV (docs/curves.md)"
+    if run:
+        meaning += ", under the irregularities of --track; unless --duration is given, the run is "
+        meaning += "as long as the line"
     return click.option(
         "--layout",
         type=click.Path(path_type=Path, dir_okay=False),
         metavar="FILE",
-        help="Curves, transitions and cant of the line as TOML or CSV, under the irregularities of "
-        "--track (docs/curves.md); unless --duration is given, the run is as long as the line.",
+        help=f"{meaning}.",
     )
 
 

@@ -8,7 +8,7 @@ import click
 
 from fmus.names import FMI_VERSIONS
 
-from ....options.car import say_option
+from ....options.car import layout_option, say_option
 from ....terminal import writable
 
 
@@ -36,15 +36,21 @@ Examples:
     help="Platform whose binaries the FMU holds, as for `tracktrain build`. Repeatable.",
 )
 @say_option()
+@layout_option(run=False)
 def command(
-    file: Path, out: Path | None, fmi: str, targets: tuple[str, ...], says: tuple[str, ...]
+    file: Path,
+    out: Path | None,
+    fmi: str,
+    targets: tuple[str, ...],
+    says: tuple[str, ...],
+    layout: Path | None,
 ) -> None:
     """Make the FMU of a track from the stations in FILE, for this car or for another tool."""
     from fmus.export.track import build_track
 
-    from ....car.track import track_data
+    from ....car.track import on_layout, track_data
 
-    data = track_data(file, says)
+    data = track_data(file, says) if layout is None else on_layout(layout, str(file), says=says)
     path = out or Path(f"{file.stem}.fmu")
     writable(path.parent)
     build_track(data, path, fmi, targets)

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from ....errors import TracktrainError
-from ....options.car import say_option, seed_option
+from ....options.car import layout_option, say_option, seed_option
 from ....options.types import Quantity
 from ....terminal import writable
 
@@ -61,11 +61,12 @@ Examples:
     help="Add a shape: cusp, bump, step, sinusoid, versine, dips, or a test track: twist-and-roll, "
     "pitch-and-bounce, yaw-and-sway. Repeatable.",
 )
+@layout_option(run=False)
 @click.option(
     "--length",
     type=Quantity("length", "m", LENGTH, "500 m"),
     metavar="LENGTH",
-    help="Of the track, without --from.  [default: 500 m]",
+    help="Of the track, without --from.  [default: 500 m, or as long as --layout]",
 )
 @click.option(
     "--spacing",
@@ -81,17 +82,22 @@ def command(
     seed: int,
     waves: tuple[float, float] | None,
     shapes: tuple[str, ...],
+    layout: Path | None,
     **grid: float | None,
 ) -> None:
     """Write a track to OUT.csv: measured, of a spectrum, of shapes, or all these together."""
     from fmus.track.recorded_data import as_text
 
     from ....car.track import track_data
+    from ....geometry.layout import length_of, read_layout, with_layout
     from ....geometry.making import empty, with_shapes, with_spectrum
     from ....geometry.shapes import read_shape
 
-    if source is None and not (spectrum or shapes):
-        raise TracktrainError("say what the track is made of: --from, --spectrum or --shape")
+    if source is None and not (spectrum or shapes or layout):
+        raise TracktrainError(
+            "say what the track is made of: --from, --spectrum, --shape or --layout"
+        )
+    elements = read_layout(layout) if layout else []
     if source is None and says:
         raise TracktrainError("--say tells of a file; name it with --from")
     if source is not None and any(grid.values()):
@@ -100,7 +106,8 @@ def command(
         raise TracktrainError(f"'{out}' is no CSV file by its name; call it '{out.stem}.csv'")
     if source is None:
         length, spacing = grid["length"], grid["spacing"]
-        track = empty(out.stem, length or DEFAULT_LENGTH, spacing or DEFAULT_SPACING)
+        usual = length_of(elements) or DEFAULT_LENGTH
+        track = empty(out.stem, length or usual, spacing or DEFAULT_SPACING)
     else:
         track = replace(track_data(source, says), name=out.stem)
     if spectrum is not None:
@@ -109,6 +116,8 @@ def command(
     if shapes:
         place = track.first + AHEAD
         track = with_shapes(track, [shape for text in shapes for shape in read_shape(text, place)])
+    if layout is not None:
+        track = with_layout(track, elements, layout.name)
     writable(out.parent)
     out.write_text(as_text(track), encoding="utf-8")
     click.echo(
