@@ -137,10 +137,10 @@ def touching_plate(bolster: Bolster, u: Signals, p: Signals, d: Signals) -> Plat
     down, tilt = bolster.z - u["car.z"], bolster.roll - u["car.roll"]
     force = p["contact_vertical.stiffness"] * down + c_z * (bolster.vz - u["car.vz"])
     moment = p["contact_roll.stiffness"] * tilt + c_roll * (bolster.wx - u["car.wx"])
-    closed = down + p["half_side_bearing_spacing"] * ca.fabs(tilt) - d["bearing_gap"]
+    closed = down + p["half_side_bearing_spacing"] * ca.fabs(tilt) - d["bearing_free"]
     rim = d["plate_hold"] + force - ca.fabs(moment) / p["centre_plate_radius"]
     none = ca.SX(0)
-    load = p["centre_plate_weight"] + force
+    load = d["plate_weight"] + force
     return Plate(force, moment, load, (none, none), rim, ca.fmin(rim, -closed))
 
 
@@ -153,17 +153,21 @@ def plate(bolster: Bolster, u: Signals, p: Signals, d: Signals) -> Plate:
     force = ca.fmax(force + d["rim_share"] * pulled, -d["plate_hold"])
     moment = clip(moment, radius * (d["plate_hold"] + force))
 
+    preload, stiffness = ca.vertsplit(d["bearing_spring"])
+
     def bearing(place: ca.SX) -> ca.SX:
-        overlap = overlaps(bolster, place, u) - d["bearing_gap"]
+        closer = overlaps(bolster, place, u)
+        overlap = closer - d["bearing_gap"]
         closing = bolster.vz - u["car.vz"] + place * (bolster.wx - u["car.wx"])
         damped = ca.fmax(1 + p["side_bearing_damping"] * closing, 0)
-        return p["side_bearing_stiffness"] * ca.fmax(overlap, 0) * damped
+        stop = p["side_bearing_stiffness"] * ca.fmax(overlap, 0) * damped
+        return ca.fmax(preload + stiffness * closer, 0) + stop
 
     left, right = bearing(spacing), bearing(-spacing)
     return Plate(
-        force_z=force + left + right,
+        force_z=force + (left - preload) + (right - preload),
         moment_x=moment + spacing * (left - right),
-        load=p["centre_plate_weight"] + force,
+        load=d["plate_weight"] + force,
         bearings=(left, right),
         rim=touching.rim,
         margin=touching.margin,

@@ -16,7 +16,7 @@ from .ports import AXLES, SIDES
 PLATE_ELEMENTS = (0, 1)
 """Places of the elements whose friction is the centre plate's: lateral and yaw."""
 
-CONSTANTS = ("stiffness", "stop_stiffness", "free_play", "friction_stiffness")
+CONSTANTS = ("stop_stiffness", "free_play", "friction_stiffness")
 """Parameters of each element that hold as they are."""
 
 Motion = list[ca.SX]
@@ -122,17 +122,18 @@ def joints_of(
 
     wedges = {group: wedge(group) for group in sorted({*assembly.wedges.values()})}
     # (7): the carbody's weight and what it throws on the plate, the side bearings beside it
-    plates = ca.fmax(1 + d["plate_sensitivity"] * (on_plate.load - p["centre_plate_weight"]), 0)
+    plates = ca.fmax(1 + d["plate_sensitivity"] * (on_plate.load - d["plate_weight"]), 0)
     rubbing = p["side_bearing_friction"] * sum(on_plate.bearings)
     elements = []
     for i, (name, e, s) in enumerate(zip(assembly.elements, strain, slip, strict=True)):
         scale = plates if i in PLATE_ELEMENTS else wedges.get(assembly.wedges.get(i, -1), 1)
-        limit, reach = p[f"{name}.friction_limit"] * scale, d["reach"][i] * scale
+        limit, reach = d["friction_limit"][i] * scale, d["reach"][i] * scale
         if i in PLATE_ELEMENTS and not touching:
             more = rubbing * (p["half_side_bearing_spacing"] if i == 1 else 1)
             limit, reach = limit + more, reach + more * d["compliance"][i]
         constants = {kind: p[f"{name}.{kind}"] for kind in CONSTANTS}
-        elements.append(Element(e, s, **constants, friction_limit=limit, reach=reach))
+        stiffness = d["stiffness"][i]
+        elements.append(Element(e, s, stiffness, **constants, friction_limit=limit, reach=reach))
     inertia = ca.vertcat(*(u[f"axle[{k}].rail_az_{side}"] for k in AXLES for side in SIDES))
     rails = Rails(
         weight=2 * p["axle_load"] + d["unsprung_mass"] * ca.sum1(inertia) / 4,

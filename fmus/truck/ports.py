@@ -171,12 +171,34 @@ PARAMETERS = (
                 "l_sb",
             ),
             ("friction", "1", "Friction coefficient of a side bearing", "mu_sb"),
+            ("preload", "N", "Load of a constant contact side bearing at rest; 0: none", "N_sb"),
+            (
+                "preload_stiffness",
+                "N/m",
+                "Stiffness of a constant contact side bearing before its stop",
+                "k_cc",
+            ),
         )
     ),
     choice(
         "wedge_law",
         "Friction of the wedges: constant (ASF) or proportional to the spring load (Barber)",
         ("constant", "load_proportional"),
+    ),
+    choice(
+        "wedge_friction",
+        "Friction of the wedges: as measured, or in proportion by their geometry and springs",
+        ("measured", "geometry"),
+    ),
+    *(
+        Parameter(f"wedge_{name}", unit, text, symbol=symbol, minimum=least, maximum=most)
+        for name, unit, text, symbol, least, most in (
+            ("angle", "rad", "Angle of a wedge's slope to the vertical", "theta_w", 0.1, 1.4),
+            ("column_friction", "1", "Friction coefficient of a column", "mu_1", 0.0, 2.0),
+            ("slope_friction", "1", "Friction coefficient of a slope", "mu_2", 0.0, 2.0),
+            ("toe", "rad", "Lean of the columns: they part upwards", "gamma_w", -0.1, 0.1),
+            ("spring_load", "N", "Force of a wedge's spring at rest", "S_w", 0.0, None),
+        )
     ),
     Parameter(
         "micro_step",

@@ -13,6 +13,7 @@ from ..describe.elements import slider_indicator, slider_mode, stop_indicator
 from .contact import Bolster, Hung, overlaps
 from .joints import Assembly, Joints, Motion, joints_of, slips_after
 from .ports import AXLES, OWN_MOTION, SHARES, SIDES
+from .wedges import friction_limit, stiffening
 
 GRAVITY = 9.80665  # [m/s2]
 NEVER = 1e30
@@ -84,6 +85,9 @@ class ThreePieceTruck(Block):
     def derived(self, p: Signals) -> Signals:
         """What gives way, damping and friction constants, and limits of the micro step."""
         mobility, names = self.mobility(p), self.assembly.elements
+        below_springs = 2 * (p["wheelset_mass"] + p["side_frame_mass"]) * GRAVITY
+        spring_load = ca.fmax(2 * p["axle_load"] - below_springs, 1.0)
+        limits, stiffnesses = self._elements(p, spring_load)
         on_bolster = 1 / p["bolster_roll_inertia"], 1 / p["bolster_mass"]
         contacts = (("contact_roll", "bolster_roll_inertia"), ("contact_vertical", "bolster_mass"))
         damping = [
@@ -93,14 +97,13 @@ class ThreePieceTruck(Block):
         stiffness_trace = sum(
             p[f"{name}.stiffness"] / p[inertia] for name, inertia in contacts
         ) + sum(
-            by * (p[f"{name}.stiffness"] + p[f"{name}.stop_stiffness"]
-                  + p[f"{name}.friction_stiffness"])
-            for name, by in zip(names, mobility.by_strain, strict=True)
-        )  # fmt: skip
-        below_springs = 2 * (p["wheelset_mass"] + p["side_frame_mass"]) * GRAVITY
-        spring_load = ca.fmax(2 * p["axle_load"] - below_springs, 1.0)
-        plate_weight = p["centre_plate_weight"]
+            by * (stiffness + p[f"{name}.stop_stiffness"] + p[f"{name}.friction_stiffness"])
+            for name, by, stiffness in zip(names, mobility.by_strain, stiffnesses, strict=True)
+        )
         held = p["centre_plate_contact"] == 2
+        preload = ca.if_else(held, 0, p["side_bearing_preload"])
+        plate_weight = ca.fmax(p["centre_plate_weight"] - 2 * preload, 1.0)
+        gap = ca.if_else(held, NEVER, p["side_bearing_gap"])
         rocking = p["contact_roll.stiffness"] / p["centre_plate_radius"] ** 2
         spacing = p["half_side_bearing_spacing"]
         stiffness_trace += (
@@ -113,7 +116,13 @@ class ThreePieceTruck(Block):
             "plate_sensitivity": (p["centre_plate_friction"] - 1) / plate_weight,
             "rim_share": p["contact_vertical.stiffness"]
             / ca.fmax(p["contact_vertical.stiffness"] + rocking, 1e-30),
-            "bearing_gap": ca.if_else(held, NEVER, p["side_bearing_gap"]),
+            "plate_weight": plate_weight,
+            "bearing_gap": gap,
+            # A bearing that always touches is no case for the form without bearings.
+            "bearing_free": ca.if_else(preload > 0, -NEVER, gap),
+            "bearing_spring": ca.vertcat(
+                preload, ca.if_else(preload > 0, p["side_bearing_preload_stiffness"], 0)
+            ),
             "compliance": ca.vertcat(
                 *(1 / ca.fmax(p[f"{n}.friction_stiffness"], 1e-30) for n in names)
             ),
@@ -126,10 +135,12 @@ class ThreePieceTruck(Block):
             **mobility.kept,
             "bolster_mobility": ca.vertcat(*on_bolster),
             "contact_damping": ca.vertcat(*damping),
+            "friction_limit": ca.vertcat(*limits),
+            "stiffness": ca.vertcat(*stiffnesses),
             "reach": ca.vertcat(
                 *(
-                    p[f"{n}.friction_limit"] / ca.fmax(p[f"{n}.friction_stiffness"], 1e-30)
-                    for n in names
+                    limit / ca.fmax(p[f"{n}.friction_stiffness"], 1e-30)
+                    for n, limit in zip(names, limits, strict=True)
                 )
             ),
             "load_sensitivity": (p["wedge_law"] - 1) / spring_load,
@@ -137,6 +148,26 @@ class ThreePieceTruck(Block):
             "damping_trace": damping[0] * on_bolster[0] + damping[1] * on_bolster[1],
             "stiff_step": 2 / ca.sqrt(stiffness_trace),
         }
+
+    def _elements(self, p: Signals, spring_load: ca.SX) -> tuple[Motion, Motion]:
+        """Friction limits and stiffnesses of the elements; of the wedges' by geometry, (21), (22).
+
+        The wedges' part of every element is in proportion to what was measured of the vertical one.
+        """
+        assembly, by_geometry = self.assembly, p["wedge_friction"] == 2
+        vertical = assembly.elements[min(assembly.wedges.values())]
+        measured = ca.fmax(assembly.groups * p[f"{vertical}.friction_limit"], 1e-30)
+        ratio = ca.if_else(by_geometry, friction_limit(p) / measured, 1)
+        stiffer = ca.if_else(by_geometry, 1 + stiffening(p, spring_load), 1)
+        upright = assembly.wedges.keys() & {hung.place for hung in self.hung(p)}
+        limits = [
+            p[f"{name}.friction_limit"] * (ratio if i in assembly.wedges else 1)
+            for i, name in enumerate(assembly.elements)
+        ]
+        return limits, [
+            p[f"{name}.stiffness"] * (stiffer if i in upright else 1)
+            for i, name in enumerate(assembly.elements)
+        ]
 
     def initial(self, p: Signals, d: Signals, u: Signals) -> Signals:
         """Coordinates as the parameters say; friction at zero, whatever these are."""

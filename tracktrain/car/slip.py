@@ -17,11 +17,15 @@ from .hopper import layout_of
 
 FRICTION = re.compile(r"friction\[\d+\]")
 ELEMENT = re.compile(r"element \d+, (.+)")
+WEDGES = {"bolster_roll", "bolster_vertical", "bolster_lateral"}
+PLATE = {"centre_plate_lateral", "centre_plate_yaw"}
 FOLLOWS = {
-    "wedge_law": {"bolster_roll", "bolster_vertical", "bolster_lateral"},
-    "centre_plate_friction": {"centre_plate_lateral", "centre_plate_yaw"},
+    "wedge_law": (WEDGES, (1, "constant")),
+    "wedge_friction": (WEDGES, (1, "measured")),
+    "centre_plate_friction": (PLATE, (1, "constant")),
+    "side_bearing_preload": (PLATE, (0,)),
 }
-"""Elements whose limit follows a load unless this parameter is `constant`, its first choice."""
+"""Elements whose limit is not their parameter's unless this one has one of these values."""
 
 ROUNDING = 1e-9
 ALWAYS = 0.95
@@ -47,8 +51,8 @@ def slips(dataset: Responses) -> list[Slip]:
     for truck in layout_of(dataset).instances("truck"):
         loose = [
             elements
-            for law, elements in FOLLOWS.items()
-            if given.get(f"{truck}.{law}", 1) not in (1, 1.0, "constant")
+            for law, (elements, plain) in FOLLOWS.items()
+            if given.get(f"{truck}.{law}", plain[0]) not in plain
         ]
         for name in map(str, dataset.data_vars):
             instance, _, output = name.partition(".")
