@@ -38,7 +38,7 @@ PATIENCE = 2.0
 MOST = 12
 """Signals of which a page is sent the curves."""
 
-SCRIPTS = ("data.js", "chart.js", "plots.js", "tables.js", "live.js")
+SCRIPTS = ("common.js", "data.js", "chart.js", "plots.js", "live.js")
 
 
 class Live:

@@ -25,7 +25,7 @@ from .packing import packed
 from .rendering import rendered
 
 NAME = "report.html"
-SCRIPTS = ("data.js", "scene.js", "player.js", "chart.js", "plots.js", "page.js")
+SCRIPTS = ("common.js", "data.js", "scene.js", "player.js", "chart.js", "plots.js", "page.js")
 """In the order in which they need each other."""
 
 

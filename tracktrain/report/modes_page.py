@@ -19,7 +19,7 @@ from .rendering import rendered
 from .sheet import parts, png
 
 Array = NDArray[Any]
-SCRIPTS = ("data.js", "scene.js", "player.js", "mesh.js", "modes.js")
+SCRIPTS = ("common.js", "data.js", "scene.js", "player.js", "mesh.js", "modes.js")
 """In the order in which they need each other."""
 
 

@@ -25,7 +25,7 @@ def sheet(
     """The text of the page: notes, tables, pictures (PNG), each below its name."""
     return rendered(
         "sheet.html",
-        (),
+        ("common.js",),
         title=title,
         command=command,
         notes=notes,

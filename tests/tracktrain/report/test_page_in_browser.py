@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from selenium import webdriver
 from selenium.webdriver.chrome.options import Options
@@ -17,8 +18,10 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 from fmus.carbody.default_data import default_data
+from orchestrator import Header, Variable
 from support.tools import need
 from tracktrain.car.hopper import parameters_of
+from tracktrain.live import Live
 from tracktrain.report.modes_page import Drawing, modes_page
 
 BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
@@ -168,6 +171,33 @@ def test_keys_alone_reach_and_work_the_car(show: Callable[..., Driver]) -> None:
     assert clock(driver) == "0.00 s" != stopped
 
 
+def test_space_plays_wherever_the_focus_is_but_where_it_types(show: Callable[..., Driver]) -> None:
+    driver = show()
+    said = "return document.querySelector('#car-controls .play').getAttribute('aria-label')"
+    places = ("h1", "#car-controls .views button:last-child", "#choices details[open] input")
+    for place in places:
+        driver.find_element(By.CSS_SELECTOR, place).click()
+        ActionChains(driver).send_keys(Keys.SPACE).perform()
+        assert driver.execute_script(said) == "Pause", place
+        ActionChains(driver).send_keys(Keys.SPACE).perform()
+        assert driver.execute_script(said) == "Play", place
+    box = driver.find_element(By.ID, "filter")
+    box.send_keys("axle", Keys.SPACE, "yaw")
+    assert box.get_attribute("value") == "axle yaw" and driver.execute_script(said) == "Play"
+
+
+def test_tables_are_sorted_by_a_press_on_a_heading(show: Callable[..., Driver]) -> None:
+    driver = show(fresh=False)
+    column = """return [...document.querySelectorAll('#energy tbody tr')]
+        .map(row => Number(row.cells[1].textContent))"""
+    before = driver.execute_script(column)
+    head = driver.find_element(By.CSS_SELECTOR, "#energy th:nth-child(2) button")
+    for found in (sorted(before), sorted(before, reverse=True), before):
+        driver.execute_script("arguments[0].click()", head)
+        assert driver.execute_script(column) == found
+    assert before != sorted(before)
+
+
 @pytest.mark.parametrize("width", [360, 768])
 def test_page_does_not_scroll_sideways(show: Callable[..., Driver], width: int) -> None:
     driver = show(width, fresh=width < 500)
@@ -195,6 +225,30 @@ def test_colours_follow_the_systems_dark_mode(show: Callable[..., Driver]) -> No
     dark = driver.execute_script("return getComputedStyle(document.body).backgroundColor")
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
     assert dark != light
+
+
+def test_the_page_of_a_run_under_way_follows_it(browser: Driver) -> None:
+    names = ["pump.y", "pump.speed"]
+    variables = [(n, Variable(n, 0, "Real", "output", unit="m")) for n in names]
+    time = np.arange(400) / 100
+    rows = np.column_stack([time, np.sin(6 * time), 2 * time])
+    said = "return document.getElementById('state').textContent"
+    with Live() as live:
+        live.begin(Header(variables, {"step": 0.01}, 401))
+        live.append(rows[:200])
+        browser.get(live.address)
+        drawn = "return document.querySelectorAll('#time-plot path.curve').length"
+        WebDriverWait(browser, 20).until(lambda d: d.execute_script(drawn) == 2)
+        browser.find_element(By.CSS_SELECTOR, "#chips button").click()
+        WebDriverWait(browser, 20).until(lambda d: d.execute_script(drawn) == 1)
+        assert browser.execute_script(said) == "Running."
+        live.append(rows[200:])
+        live.finish({})
+    WebDriverWait(browser, 20).until(lambda d: d.execute_script(said).startswith("Ended"))
+    cells = browser.find_elements(By.CSS_SELECTOR, "#numbers td")
+    assert [cell.text for cell in cells[:3]] == ["7.98", "0", "7.98"]
+    assert browser.find_element(By.ID, "rows").text == "400"
+    assert browser.get_log("browser") == []
 
 
 def test_a_structures_modes_move_on_their_page(browser, tmp_path):

@@ -31,12 +31,3 @@ function row(array, number) {
 function colour(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
-
-function element(tag, attributes = {}, ...children) {
-  const made = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes))
-    if (name in made && name !== "list") made[name] = value;
-    else made.setAttribute(name, value);
-  made.append(...children);
-  return made;
-}

@@ -14,6 +14,7 @@ async function begin() {
   const options = { duration: 1, loops: true, speeds: [0.25, 0.5, 1, 2], speed: 0.5, amplification: { least: 0.05, most: 2, value: 0.5 } };
   const player = new Player(scene, document.getElementById("mode-controls"), options, show);
   player.seek(0.25);
+  whenSpace(() => player.toggle());
   const choices = known.modes.map(({ name, said }, number) => {
     const input = element("input", { type: "radio", name: "mode", value: number, checked: number === 0 });
     input.addEventListener("change", () => { picked = number; player.frame(); });

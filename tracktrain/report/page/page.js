@@ -20,6 +20,7 @@ async function begin() {
     });
   }
   if (known.modes) players.push(modePlayer(arrays));
+  if (players.length) whenSpace(() => players[0].toggle());
   plots = new Plots(arrays);
   plots.draw();
   const redraw = () => {

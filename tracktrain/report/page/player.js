@@ -6,8 +6,7 @@ class Player {
     Object.assign(this, { scene, options, show, time: 0, playing: false, speed: options.speed });
     this.controls(place);
     scene.redraw = () => this.frame();
-    const canvas = scene.canvas;
-    for (const target of [canvas, place]) target.addEventListener("keydown", (event) => this.key(event));
+    scene.canvas.addEventListener("keydown", (event) => this.key(event));
     this.frame();
   }
 
@@ -92,9 +91,8 @@ class Player {
   }
 
   key(event) {
-    const inside = event.target, step = this.options.duration / 100;
-    if (event.key === " " && inside.tagName !== "BUTTON" && inside.tagName !== "SELECT") this.toggle();
-    else if (inside !== this.scene.canvas) return;
+    const step = this.options.duration / 100;
+    if (event.key === " ") this.toggle();
     else if (event.key === "ArrowRight") this.seek(this.time + step);
     else if (event.key === "ArrowLeft") this.seek(this.time - step);
     else if (event.key === "Home") this.seek(0);
