@@ -82,6 +82,14 @@ class Car:
         way = self._read(self.layout.distance)
         return way - way[0]
 
+    def of_track(self, name: str) -> Array | None:
+        """What the track says of itself at each row, such as its curvature; None where it does not.
+
+        Its value is no motion of the car.
+        """
+        variable = f"{self.layout.track}.{name}"
+        return self._read(variable) if variable in self._dataset else None
+
     @cached_property
     def speed(self) -> float:
         """Largest speed of the run [m/s]; 0 where the way is not known."""

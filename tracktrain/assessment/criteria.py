@@ -14,7 +14,7 @@ from ..events import nadal_rule
 from . import windows
 from .car import Array, Car
 from .rules import NotApplicableError, Rule, parameter, to_si
-from .weighting import LEAST_RATE, W_D, W_K, Weighting, sperling
+from .weighting import LEAST_RATE, W_B, W_D, W_K, Weighting, sperling
 
 Found = Iterator[tuple[str, float]]
 Measure = Callable[[Car, Rule], Found]
@@ -238,11 +238,15 @@ def _centre(car: Car) -> str:
 
 def _weighted(car: Car, rule: Rule) -> Array:
     weighting: Weighting = W_K if "vertical" in rule.key else W_D
+    return _by(weighting, car, _at_centre(car, rule))
+
+
+def _by(weighting: Weighting, car: Car, values: Array) -> Array:
     if car.rate < LEAST_RATE:
         raise NotApplicableError(
             f"{car.rate:.4g} rows a second are too few; the weighting needs {LEAST_RATE:g}"
         )
-    return weighting.weighted(_at_centre(car, rule), car.rate)
+    return weighting.weighted(values, car.rate)
 
 
 @measure("iso_lateral", "iso_vertical")
@@ -260,3 +264,23 @@ def _transient_comfort(car: Car, rule: Rule) -> Found:
 def _sperling(car: Car, rule: Rule) -> Found:
     direction = rule.key.removeprefix("sperling_")
     yield _centre(car), sperling(_at_centre(car, rule), car.rate, direction)
+
+
+SHARE = 95.0
+"""Percentile of the values of mean comfort, EN 12299."""
+
+
+@measure("en_mean_comfort")
+def _mean_comfort(car: Car, rule: Rule) -> Found:
+    """EN 12299: N_MV at the centre of gravity and at both ends; the car has no longitudinal one."""
+    at_ends = [dict(car.floor_ends(axis, rule)) for axis in ("ay", "az")]
+    places = {place: [ends[place] for ends in at_ends] for place in at_ends[0]}
+    body = car.layout.carbody
+    places[_centre(car)] = [car[f"{body}.cg.{axis}"] for axis in ("ay", "az")]
+    for place, motions in places.items():
+        squares = 0.0
+        for weighting, motion in zip((W_D, W_B), motions, strict=True):
+            weighted, count = car.windowed(_by(weighting, car, motion), rule)
+            blocks = weighted[: len(weighted) // count * count].reshape(-1, count)
+            squares += np.percentile(np.sqrt(np.mean(blocks**2, axis=1)), SHARE) ** 2
+        yield place, 6 * np.sqrt(squares)

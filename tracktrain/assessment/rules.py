@@ -96,13 +96,13 @@ class Rule:
 @cache
 def rules() -> tuple[Rule, ...]:
     """All rules, in their order in the file."""
-    return tuple(_rule(key, given) for key, given in _file()["rules"].items())
+    return tuple(_rule(key, given) for key, given in content()["rules"].items())
 
 
 @cache
 def parameter(name: str) -> float:
     """A parameter that formulas share [SI]."""
-    given = _file()["parameters"][name]
+    given = content()["parameters"][name]
     return to_si(given["value"], given["unit"])
 
 
@@ -149,11 +149,12 @@ def _si(given: Mapping[str, Any], name: str) -> float:
 
 @cache
 def _scope(name: str) -> Scope:
-    given = _file()["scopes"][name]
+    given = content()["scopes"][name]
     most = _si(given, "most_speed") or math.inf
     return Scope(given["text"], given.get("foreign", False), _si(given, "least_speed"), most)
 
 
 @cache
-def _file() -> dict[str, Any]:
+def content() -> dict[str, Any]:
+    """limits.toml."""
     return tomllib.loads((files(__package__) / "limits.toml").read_text(encoding="utf-8"))

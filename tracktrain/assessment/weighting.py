@@ -1,4 +1,4 @@
-"""Frequency weightings of ride comfort: ISO 2631-1 as digital filters, and Sperling's."""
+"""Frequency weightings of ride comfort: ISO 2631-1, EN 12299 as digital filters; Sperling's."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ class Weighting:
     q5: float = 1.0
     f6: float = inf
     q6: float = 1.0
+    factor: float = 1.0
 
     def sections(self, rate: float | None = None) -> list[tuple[list[float], list[float]]]:
         """Numerators and denominators in s, of band limits, a-v transition and upward step.
@@ -47,6 +48,7 @@ class Weighting:
             w5, w6 = w(self.f5), w(self.f6)
             step = ([1.0, w5 / self.q5, w5**2], [1.0, w6 / self.q6, w6**2])  # (A.4)
             found.append(step)
+        found.append(([self.factor], [1.0]))
         return found
 
     def gain(self, frequency: Array) -> Array:
@@ -57,7 +59,9 @@ class Weighting:
 
     def filter(self, rate: float) -> Array:
         """Second-order sections of the digital filter for samples at a rate [Hz]."""
-        digital = [signal.bilinear(b, a, rate) for b, a in self.sections(rate)]
+        *parts, (factor, _) = self.sections(rate)
+        digital = [signal.bilinear(b, a, rate) for b, a in parts]
+        digital[0] = (factor[0] * digital[0][0], digital[0][1])
         return np.array([np.concatenate([b, a]) for b, a in digital])
 
     def weighted(self, acceleration: Array, rate: float) -> Array:
@@ -68,6 +72,8 @@ class Weighting:
 # ISO 8041 Table 3, ISO 2631-1 Table A.1; Q of the band limits is 1/sqrt(2).
 W_D = Weighting(0.4, 100.0, 2.0, 2.0, 0.63)
 W_K = Weighting(0.4, 100.0, 12.5, 12.5, 0.63, 2.37, 0.91, 3.35, 0.91)
+# BS 6841, whose gain of 0.4 is that of low frequencies: above, it is (4/2.5)^2 times that.
+W_B = Weighting(0.4, 100.0, 16.0, 16.0, 0.55, 2.5, 0.9, 4.0, 0.95, 1.024)
 
 SPERLING = {"lateral": 0.737, "vertical": 0.588}
 

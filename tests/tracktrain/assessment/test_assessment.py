@@ -15,9 +15,13 @@ from tolerances import BAND_PASS_ENDS
 from tracktrain.assessment import assess
 from tracktrain.assessment.criteria import LIMITS, MEASURES
 from tracktrain.assessment.rules import rules
+from tracktrain.assessment.sections import by_sections, estimate, parts
+from tracktrain.assessment.weighting import W_B
 from tracktrain.car.hopper import HOPPER
 from tracktrain.cli.main import main
 from tracktrain.events import nadal
+from tracktrain.geometry.layout import CURVE, STRAIGHT, TRANSITION
+from tracktrain.geometry.sections import Section
 
 SPEED, RATE, GRAVITY = 18.288, 1000, 9.80665
 AXLE_LOAD = 50 * 4448.2216152605  # 50 kip
@@ -260,3 +264,56 @@ def test_what_the_track_does_not_move_is_not_excited_rather_than_passed_with_not
     bounced = assess(motion(20.0, az=1e-6, load=1e-3))
     assert row(bounced, "carbody_vertical_transient")["result"] == "passed"
     assert row(bounced, "wheel_load_ratio")["result"] == "passed"
+
+
+def test_mean_comfort_of_a_sinusoid_is_six_times_its_weighted_rms() -> None:
+    found = row(assess(motion(20.0, frequency=8.0, az=0.5)), "en_mean_comfort")
+    expected = 6 * 0.5 / np.sqrt(2) * float(W_B.gain(np.array([8.0]))[0])
+    assert found["value"] == pytest.approx(expected, rel=5e-3)
+    assert found["result"] == "no limit"
+
+
+def test_sections_are_whole_lengths_of_straight_and_full_curve() -> None:
+    """Transitions are left out; a curve to the left has its outer rail on the right."""
+    cut = parts([
+        Section(STRAIGHT, 0.0, 560.0, 0.0, 0.0),
+        Section(TRANSITION, 560.0, 620.0, 1 / 1000, 0.0),
+        Section(CURVE, 620.0, 850.0, 1 / 500, 0.1),
+        Section(CURVE, 900.0, 1000.0, -1 / 300, 0.1),
+    ])  # fmt: skip
+    assert [(p.zone.name, p.first, p.last, p.outer) for p in cut] == [
+        ("straight", 0.0, 250.0, ""),
+        ("straight", 250.0, 500.0, ""),
+        ("small", 620.0, 720.0, "right"),
+        ("small", 720.0, 820.0, "right"),
+        ("very_small", 900.0, 970.0, "left"),
+    ]
+
+
+def test_what_is_expected_is_the_mean_and_some_deviations() -> None:
+    mean, deviation, expected = estimate(np.array([1.0, 2.0, 3.0]), 3.0)
+    assert (mean, deviation, expected) == (2.0, 1.0, 5.0)
+    assert estimate(np.array([4.0]), 3.0)[2] == 4.0
+
+
+def test_a_steady_car_in_a_curve_is_told_by_its_sections() -> None:
+    """30 s straight, then 30 s of a curve of 500 m to the left: the outer wheels are the right."""
+    data = motion(60.0, ratio=0.3, load=0.2, frequency=2.0)
+    turned = np.where(data.time.values > 30.0, 1 / 500, 0.0)
+    data["track.curvature"], data["track.cant"] = ("time", turned), ("time", 0.0 * turned)
+    for axle in HOPPER.axles:
+        data[f"{axle.wheelset}.right.l_over_v"] += 0.1
+    table = by_sections(data).set_index(["zone", "quantity"])
+    of_zone = {zone: table.loc[zone] for zone in table.index.levels[0]}
+    straight, curve = of_zone["straight"], of_zone["curves of 400 to 600 m"]
+    assert straight.loc["wheel load Q", "sections"] == 2  # of 548 m
+    assert "quasi-static guiding force" not in straight.index
+    guiding = curve.loc["quasi-static guiding force"]
+    assert guiding["place"].endswith("right") and guiding["sections"] == 5
+    assert guiding["estimate"] == pytest.approx(0.4 * AXLE_LOAD / 2e3, rel=0.01)
+    assert guiding["limit"] == pytest.approx(30 + 10500 / 500, rel=1e-3)
+    derailment = curve.loc["Y/Q of a leading wheel"]
+    assert derailment["estimate"] == pytest.approx(0.4, rel=1e-6)
+    load = straight.loc["wheel load Q"]
+    assert load["estimate"] == pytest.approx(1.2 * AXLE_LOAD / 2e3, rel=0.01)
+    assert not table["verified"].any()

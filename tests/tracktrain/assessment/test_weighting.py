@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from tolerances import PUBLISHED_WEIGHTING, WEIGHTING_FILTER
-from tracktrain.assessment.weighting import SPERLING, W_D, W_K, Weighting, sperling, sperling_gain
+from tracktrain.assessment.weighting import (
+    SPERLING,
+    W_B,
+    W_D,
+    W_K,
+    Weighting,
+    sperling,
+    sperling_gain,
+)
 
 RATE = 1000.0
 THIRD_OCTAVES = 10 ** (np.arange(-3, 20) / 10)
@@ -22,7 +30,7 @@ PUBLISHED = {
 MISPRINT = 212
 """Of W_d at 10 Hz, 5 % off the transfer function of the same standard."""
 
-WEIGHTINGS = {"W_k": W_K, "W_d": W_D}
+WEIGHTINGS = {"W_k": W_K, "W_d": W_D, "W_b": W_B}
 
 
 @pytest.mark.parametrize("name", PUBLISHED)
@@ -42,6 +50,14 @@ def test_filtered_sinusoid_has_the_transfer_functions_amplitude(
     late = weighting.weighted(np.sin(2 * np.pi * frequency * time), RATE)[int(20 * RATE) :]
     expected = weighting.gain(np.array([frequency]))[0] / np.sqrt(2)
     assert np.sqrt(np.mean(late**2)) == pytest.approx(expected, rel=WEIGHTING_FILTER)
+
+
+def test_w_b_is_near_the_straight_lines_that_bs_6841_draws() -> None:
+    """0.4 from 0.5 to 2 Hz, f/5 to 5 Hz, 1 to 16 Hz, then 16/f."""
+    frequency = np.array([0.9, 1.4, 3.0, 8.0, 10.0, 12.0, 30.0, 60.0])
+    lines = np.interp(frequency, [0.5, 2.0, 5.0, 16.0], [0.4, 0.4, 1.0, 1.0])
+    lines[frequency > 16] = 16 / frequency[frequency > 16]
+    np.testing.assert_allclose(W_B.gain(frequency), lines, rtol=0.18)
 
 
 @pytest.mark.parametrize("direction", SPERLING)

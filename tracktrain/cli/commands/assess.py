@@ -15,7 +15,8 @@ from ..as_json import json_option, print_json
 if TYPE_CHECKING:
     import pandas as pd
 
-ASSESSMENT = "assessment.csv"
+ASSESSMENT, SECTIONS = "assessment.csv", "sections.csv"
+SHOWN = ["zone", "quantity", "place", "sections", "wanted", "estimate", "limit", "unit", "share"]
 COMPARED = ", for comparison"
 COLOURS = {"passed": "green", "exceeded": "bold red"}
 
@@ -24,35 +25,48 @@ COLOURS = {"passed": "green", "exceeded": "bold red"}
     epilog="""\b
 Examples:
   tracktrain run --duration 40s
-  tracktrain assess tracktrain-results"""
+  tracktrain assess tracktrain-results
+  tracktrain assess tracktrain-results --sections"""
 )
 @click.argument("folder", type=click.Path(path_type=Path), metavar="DIR")
+@click.option(
+    "--sections",
+    is_flag=True,
+    help="Also by sections of straight track and of curves, as EN 14363 has it: sections.csv.",
+)
 @json_option
 @click.option("--quiet", is_flag=True, help="Print errors only.")
-def command(folder: Path, as_json: bool, quiet: bool) -> None:
+def command(folder: Path, sections: bool, as_json: bool, quiet: bool) -> None:
     """Assess the run in DIR: wheel forces, stability and ride against the limits of the field.
 
     Every quantity comes with its filter, window, limit and source; assessment.csv has them all.
     Limits marked with * were not read in their source and are to be checked before they are quoted.
     """
     from ...assessment import assess as assessed
+    from ...assessment.sections import by_sections
     from ...events import events
     from ...results import opened
-    from ...terminal import print_whole
+    from ...terminal import print_whole, printable
     from ..events import print_events, write_events
 
     dataset = opened(folder)
     table, found = assessed(dataset), events(dataset)
     table.to_csv(folder / ASSESSMENT)
     write_events(found, folder)
+    cut = by_sections(dataset) if sections else None
+    if cut is not None:
+        cut.to_csv(folder / SECTIONS, index=False)
     if as_json:
-        print_json(assessment=table, events=found)
+        print_json(assessment=table, events=found, **({} if cut is None else {"sections": cut}))
     elif not quiet:
         console = Console()
         if not len(table):
             console.print("the system has nothing that a limit of the field is about")
             return
         print_whole(console, _shown(table))
+        if cut is not None:
+            print_whole(console, printable(cut[SHOWN], "by sections (EN 14363)"))
+            console.print(f"mean and factor deviations over sections: {folder / SECTIONS}, *")
         print_events(console, found)
         console.print("for comparison: the rule is for other vehicles, track or speeds (its scope)")
         console.print("* not verified: recalled from the source, check it before quoting it")
