@@ -138,6 +138,12 @@ class ContactGeometry:
     left_second: Points
     right_second: Points
 
+    def left_means(self, elastic: float, steepest: float) -> Points:
+        """What `Touch.mean_points` has for the left wheel, over the shifts."""
+        wheel, rail = self.wheelset.wheels[0], self.track.rails[0]
+        touch = wheel.touch(rail, self.shift, self.roll, self.yaw)
+        return touch.mean_points(elastic, steepest)
+
     @property
     def radius_difference(self) -> Array:
         """Rolling radius left less right [m]."""

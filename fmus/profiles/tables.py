@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 
 from ..errors import ParameterError
 from ..wheelrail.contact_table import ContactTable, Patch
 from .geometry import ContactGeometry, Jump, Track, Wheelset, contact_geometry
 from .profile import Array
+from .trace import Points
 
 NODE = 1e-4
 """Distance of the table's nodes [m], at most."""
@@ -22,8 +24,9 @@ OFF_TREAD = 0.01
 """Rolling radius less the nominal one [m] that no tread has."""
 FARTHEST, SEARCH = 0.025, 2.5e-4
 """Largest shift, and steps [m] at which the flange's contact is looked for."""
-BLUR = 2.5e-4
-"""Deviation [m] of the Gaussian that rounds off what jumps on the tread."""
+ELASTIC = 2e-5
+"""Gap [m] over which a second contact on a tread that jumps loses its part to e^-1: some part of
+the 0.1 mm by which wheel and rail approach each other under a wheel load."""
 
 
 def contact_table(wheelset: Wheelset, track: Track, climb: float = CLIMB) -> ContactTable:
@@ -48,18 +51,25 @@ def contact_table(wheelset: Wheelset, track: Track, climb: float = CLIMB) -> Con
     flange = contact_geometry(wheelset, track, clearance + spacing * np.arange(on + 1))
     rounded = [j for j in tread.jumps if j.side == "left" and j.shift < clearance - spacing]
     resting = float(np.interp(0.0, over, tread.lift))
-    parts = (
-        _patch(tread, over, resting, jump.before if jump else None, -1),
-        _patch(flange, flange.shift - clearance, resting, jump.after if jump else None, 0),
-    )
     said = [*wheelset.left.said, *track.left.said]
     if rounded:
-        parts = (_blurred(parts[0], spacing), parts[1])
         places = ", ".join(f"{j.shift * 1e3:.3g}" for j in rounded)
         said.append(
-            f"the contact jumps on the tread at shifts of {places} mm: rounded off there over "
-            f"{BLUR * 1e3:g} mm"
+            f"the contact jumps on the tread at shifts of {places} mm: means over all places, "
+            f"weighted by exp(-gap/{ELASTIC * 1e6:g} um)"
         )
+        points = tread.left_means(ELASTIC, float(STEEP))
+    else:
+        points = _with(tread.left, -1, jump and jump.before)
+    parts = (
+        _patch(tread, points, over, resting),
+        _patch(
+            flange,
+            _with(flange.left, 0, jump and jump.after),
+            flange.shift - clearance,
+            resting,
+        ),
+    )
     return ContactTable(_name(wheelset, track), wheelset.rolling_radius, *parts, tuple(said))
 
 
@@ -68,7 +78,7 @@ def _flangeless(wheelset: Wheelset, track: Track) -> ContactTable:
     count = round(WITHOUT_FLANGE / NODE)
     over = NODE * np.arange(-count, count + 1)
     tread = contact_geometry(wheelset, track, over)
-    patch = _patch(tread, over, float(tread.lift[count]), None, 0)
+    patch = _patch(tread, tread.left, over, float(tread.lift[count]))
     said = (*wheelset.left.said, *track.left.said, "the wheel has no flange")
     return ContactTable(_name(wheelset, track), wheelset.rolling_radius, patch, None, said)
 
@@ -114,23 +124,25 @@ def _check_centred(geometry: ContactGeometry) -> None:
         )
 
 
-def _patch(
-    geometry: ContactGeometry, over: Array, resting: float, contact: object, row: int
-) -> Patch:
-    """Columns of the left wheel; contact: what the contact is in a row that has two, else None."""
-    points = geometry.left
-    names = ("radius", "angle", "place", "wheel_curvature", "rail_curvature")
-    columns = {name: np.array(getattr(points, name)) for name in names}
-    if contact is not None:
-        for name, column in columns.items():
-            column[row] = getattr(contact, name)
-    lifted = geometry.lift - resting + columns["place"] * np.sin(geometry.roll)
-    return Patch(over=over, roll=geometry.roll, height=lifted, **columns)
+def _with(points: Points, row: int, contact: Points | None) -> Points:
+    """The points with this contact, if any, in a row in which there are two."""
+    if contact is None:
+        return points
+    columns = {f.name: np.array(getattr(points, f.name)) for f in fields(Points)}
+    for name, column in columns.items():
+        column[row] = getattr(contact, name)
+    return Points(**columns)
 
 
-def _blurred(patch: Patch, spacing: float) -> Patch:
-    """Radius, angle, place and curvatures rounded off."""
-    columns = patch.columns()
-    for name in ("radius", "angle", "place", "wheel_curvature", "rail_curvature"):
-        columns[name] = gaussian_filter1d(columns[name], BLUR / spacing, mode="nearest")
-    return Patch(**columns)
+def _patch(geometry: ContactGeometry, points: Points, over: Array, resting: float) -> Patch:
+    """Columns of the left wheel with these contacts; resting: lift at shift 0 [m]."""
+    return Patch(
+        over=over,
+        radius=points.radius,
+        angle=points.angle,
+        roll=geometry.roll,
+        place=points.place,
+        height=geometry.lift - resting + points.place * np.sin(geometry.roll),
+        wheel_curvature=points.wheel_curvature,
+        rail_curvature=points.rail_curvature,
+    )

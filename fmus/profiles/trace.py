@@ -222,6 +222,26 @@ class Touch:
             gap=(gap - let_down) * np.cos(angle),
         )
 
+    def mean_points(self, elastic: float, steepest: float) -> Points:
+        """Means over the wheel, weighted by exp(-gap/elastic) [m] over the least gap.
+
+        So contacts that are nearly as near have nearly as much weight, as those of bodies that
+        yield. Points on contact planes beyond `steepest` [rad] have none.
+        """
+        grid = np.broadcast_to(self.grid, self.gaps.shape)
+        over = Touch(
+            self.wheel, self.rail, self.shift[:, None], self.roll[:, None], self.yaw, grid, grid
+        ).points(grid, self.gap[:, None])
+        weight = np.exp(-np.maximum(self.gaps - self.gap[:, None], 0.0) / elastic)
+        weight = np.where(np.abs(over.angle) < steepest, weight, 0.0)
+        weight /= weight.sum(axis=1, keepdims=True)
+        means = {
+            f.name: (weight * np.where(weight > 0, getattr(over, f.name), 0.0)).sum(axis=1)
+            for f in fields(Points)
+        }
+        slope = (weight * np.tan(over.angle)).sum(axis=1)
+        return Points(**{**means, "angle": np.arctan(slope)})
+
     def _gap(self, s: Array) -> tuple[Array, Trace, tuple[Array, Array, Array, Array]]:
         trace = self.wheel.trace(s, self.shift, self.roll, self.yaw)
         below = self.rail.below(trace.y)

@@ -185,6 +185,20 @@ def test_a_table_has_the_contacts_of_its_geometry():
     np.testing.assert_allclose([table.tread.roll[50], table.flange.roll[-1]], at.roll, atol=1e-12)
 
 
+def test_a_table_of_a_contact_that_jumps_on_the_tread_goes_from_one_place_to_the_other():
+    wheelset, track = (
+        Wheelset(shape("s1002"), 0.46, 1.5),
+        Track(shape("60e1"), 1.435, 0.014, 1 / 40),
+    )
+    table = contact_table(wheelset, track, 1e-3)
+    assert "the contact jumps on the tread at shifts of 0.225, 4.99 mm" in table.said[-1]
+    over, place = table.tread.over, table.tread.place
+    rigid = contact_geometry(wheelset, track, [-4e-3, 3e-3]).left
+    np.testing.assert_allclose(np.interp([-4e-3, 3e-3], over, place), rigid.place, atol=6e-4)
+    assert np.interp(0.225e-3, over, place) == pytest.approx(0.7473, abs=2e-3)  # of 0.752, 0.742
+    assert np.abs(np.diff(place)).max() < 3e-3
+
+
 def test_a_wheel_without_a_flange_has_a_table_of_its_tread():
     track = Track(shape("crown"), 1.4351, 0.015875, 1 / 40)
     table = contact_table(Wheelset(cone(0.05), 0.4191, 1.5113), track)
