@@ -195,7 +195,7 @@ def test_a_table_of_a_contact_that_jumps_on_the_tread_goes_from_one_place_to_the
     over, place = table.tread.over, table.tread.place
     rigid = contact_geometry(wheelset, track, [-4e-3, 3e-3]).left
     np.testing.assert_allclose(np.interp([-4e-3, 3e-3], over, place), rigid.place, atol=6e-4)
-    assert np.interp(0.225e-3, over, place) == pytest.approx(0.7473, abs=2e-3)  # of 0.752, 0.742
+    assert 0.744 < np.interp(0.225e-3, over, place) < 0.751  # between 0.742 and 0.753 m
     assert np.abs(np.diff(place)).max() < 3e-3
 
 
