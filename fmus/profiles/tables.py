@@ -60,12 +60,12 @@ def contact_table(wheelset: Wheelset, track: Track, climb: float = CLIMB) -> Con
         )
         points = tread.left_means(ELASTIC, float(STEEP))
     else:
-        points = _with(tread.left, -1, jump and jump.before)
+        points = _with(tread.left, -1, jump.before if jump else None)
     parts = (
         _patch(tread, points, over, resting),
         _patch(
             flange,
-            _with(flange.left, 0, jump and jump.after),
+            _with(flange.left, 0, jump.after if jump else None),
             flange.shift - clearance,
             resting,
         ),
