@@ -1,0 +1,103 @@
+"""The car in a steady curve: balance of forces and loads, balance speed, mirror, energy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fmus.catalogue import parameters
+from fmus.track.recorded_data import TrackData
+from orchestrator import simulate
+from tracktrain.car.hopper import hopper_car
+from tracktrain.car.track import with_track
+
+RADIUS, CANT, SPACING, G = 500.0, 0.05, 0.5, 9.80665
+LENGTH = 400
+WHEELSETS = {"wheelset_11": "truck_front.axle[1]", "wheelset_12": "truck_front.axle[2]",
+             "wheelset_21": "truck_rear.axle[1]", "wheelset_22": "truck_rear.axle[2]"}  # fmt: skip
+BODY, TRUCK = (parameters("loaded")[block] for block in ("carbody", "truck"))
+TRUCK_MASS = 2 * (TRUCK["wheelset_mass"] + TRUCK["side_frame_mass"]) + TRUCK["bolster_mass"]
+MASS = BODY["body_mass"] + 2 * TRUCK_MASS
+SINE = CANT / (2 * TRUCK["half_contact_spacing"])
+BALANCE = np.sqrt(RADIUS * G * SINE / np.sqrt(1 - SINE**2))
+FASTER = 1.3 * BALANCE
+"""[m/s]; both below the critical speed."""
+
+
+def line(hand):
+    """Forty metres of transition into a curve that does not end."""
+    stations = SPACING * np.arange(LENGTH / SPACING + 1)
+    share = np.interp(stations, [15, 55], [0, 1])
+    data = hand * np.array([share / RADIUS, -CANT * share])
+    return TrackData("curve", 0.0, SPACING, np.zeros((4, len(stations))), line=data)
+
+
+def run(hand=1.0, speed=FASTER):
+    """End values by name, means over the last two seconds, and the run."""
+    car, _ = with_track(hopper_car("loaded", speed), line(hand))
+    made = simulate(car, duration=(LENGTH - 5) / speed, step=2e-3)
+    assert made.completed
+    return {name: float(v[-1000:].mean()) for name, v in made.dataset.data_vars.items()}, made
+
+
+@pytest.fixture(scope="module")
+def curve():
+    return run()
+
+
+def lateral(found):
+    return sum(found[f"{wheelset}.force_y"] for wheelset in WHEELSETS)
+
+
+def tipping(found):
+    """Roll moment [N.m] of the wheel loads about the track's middle."""
+    return TRUCK["half_contact_spacing"] * sum(
+        found[f"{axle}.load_left"] - found[f"{axle}.load_right"] for axle in WHEELSETS.values()
+    )
+
+
+def test_the_rails_push_with_mass_times_what_cant_does_not_balance(curve):
+    """Sum of lateral forces = m (V^2/R cos phi - g sin phi)."""
+    found, _ = curve
+    wanted = FASTER**2 / RADIUS * np.sqrt(1 - SINE**2) - G * SINE
+    assert found["track.frame.ay"] == pytest.approx(wanted, rel=1e-6)
+    assert lateral(found) == pytest.approx(MASS * wanted, rel=0.01)
+
+
+def test_the_load_goes_to_the_outer_rail_by_the_height_of_the_masses(curve):
+    found, _ = curve
+    height = BODY["gravity_centre_height"] + TRUCK["centre_plate_height"]
+    arms = BODY["body_mass"] * height + 2 * TRUCK_MASS * TRUCK["mass_height"]
+    assert tipping(found) == pytest.approx(-arms * found["track.frame.ay"], rel=0.01)
+
+
+def test_the_rails_carry_the_weight_as_it_is_in_the_canted_frame(curve):
+    found, _ = curve
+    carried = sum(found[f"{a}.load_{s}"] for a in WHEELSETS.values() for s in ("left", "right"))
+    weight = 4 * TRUCK["axle_load"]
+    assert carried - weight == pytest.approx(MASS * found["track.frame.az"], rel=0.02)
+
+
+def test_energy_is_kept_in_the_frame_that_turns(curve):
+    _, made = curve
+    assert made.bonds and max(bond.residual for bond in made.bonds) < 1e-3 * max(
+        bond.passed for bond in made.bonds
+    )
+
+
+def test_at_balance_speed_nothing_is_pushed_aside_nor_tipped(curve):
+    found, _ = run(speed=BALANCE)
+    faster, _ = curve
+    assert abs(lateral(found)) < 0.01 * lateral(faster)
+    assert abs(tipping(found)) < 0.01 * abs(tipping(faster))
+    # dry friction keeps a little of what the transition did
+    assert abs(found["carbody.cg.roll"]) < 0.1 * abs(faster["carbody.cg.roll"])
+
+
+def test_a_right_curve_is_the_left_one_in_a_mirror(curve):
+    left, (right, _) = curve[0], run(hand=-1.0)
+    for wheelset, axle in WHEELSETS.items():
+        assert right[f"{wheelset}.y_rel"] == pytest.approx(-left[f"{wheelset}.y_rel"], rel=1e-6)
+        assert right[f"{axle}.load_left"] == pytest.approx(left[f"{axle}.load_right"], rel=1e-9)
+        worn = left[f"{wheelset}.right.wear_number"]
+        assert right[f"{wheelset}.left.wear_number"] == pytest.approx(worn, rel=1e-6)
