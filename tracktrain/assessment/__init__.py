@@ -14,7 +14,7 @@ from orchestrator import Run
 
 from ..results import dataset_of
 from .car import Car
-from .criteria import LIMITS, MEASURES
+from .curving import LIMITS, MEASURES
 from .rules import ForeignError, NotApplicableError, Rule, from_si, rules
 
 PASSED, EXCEEDED, NO_LIMIT = "passed", "exceeded", "no limit"

@@ -14,6 +14,7 @@ from orchestrator import Provenance, dominant_frequency
 
 from ..car.hopper import layout_of
 from ..car.layout import Axle, Truck
+from ..geometry.sections import Section, curves, sections
 from . import windows
 from .rules import Band, ForeignError, NotApplicableError, Rule, parameter
 
@@ -23,6 +24,9 @@ SAMPLES_PER_CYCLE = 4
 
 ROUNDING = 1e-12
 """Share of a wheel load within which it stands still."""
+
+LEAST_CURVE = 20.0
+"""Of a full curve [m], somewhat more than the car's length."""
 
 LONG_ENOUGH = 1 - 1e-9
 """Share of a window at which a run is as long as it, to rounding."""
@@ -96,6 +100,28 @@ class Car:
         if self.layout.distance not in self._dataset:
             return 0.0
         return float(np.abs(np.gradient(self.distance, self.time)).max())
+
+    @cached_property
+    def speeds(self) -> Array:
+        """[m/s]"""
+        return np.asarray(np.gradient(self.distance, self.time))
+
+    @cached_property
+    def curves(self) -> list[tuple[Section, Array]]:
+        """The full curves, and the rows in which the car's middle is in each; ends are kept off
+        by what `sections` takes for the transition."""
+        bent = f"{self.layout.track}.curvature", f"{self.layout.track}.cant"
+        if bent[0] not in self._dataset:
+            raise NotApplicableError("it is assessed in curves, and the track is straight")
+        found = []
+        for section in curves(sections(self.distance, *(self._read(name) for name in bent))):
+            inside = (self.distance > section.first) & (self.distance < section.last)
+            rows = np.flatnonzero(inside)
+            if rows.size > 1 and section.length > LEAST_CURVE:
+                found.append((section, rows))
+        if not found:
+            raise NotApplicableError("it is assessed in curves, and the run is in no full one")
+        return found
 
     def load(self, axle: Axle, side: str, rule: Rule) -> Array:
         """Vertical force of a wheel on its rail [N]."""
@@ -191,6 +217,14 @@ class Car:
         if extent < length * LONG_ENOUGH:
             raise NotApplicableError(self._too_short(extent, length, unit, rule_unit))
         return values, max(round(length / extent * (len(values) - 1)), 1)
+
+    def windowed_rows(self, values: Array, rule: Rule, rows: Array) -> tuple[Array, int]:
+        """The values of some rows at equal distances of way, and how many the window has."""
+        assert rule.window is not None
+        way = self.distance[rows]
+        even = np.interp(np.linspace(way[0], way[-1], len(rows)), way, values[rows])
+        spacing = float(way[-1] - way[0]) / (len(rows) - 1)
+        return even, min(max(round(rule.window.to("m") / spacing), 1), len(rows))
 
     def lasting(self, values: Array, rule: Rule) -> float:
         """The largest level that moving values keep for as long as the rule says."""
