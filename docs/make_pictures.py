@@ -5,6 +5,7 @@ python docs/make_pictures.py
 
 from __future__ import annotations
 
+import tempfile
 from pathlib import Path
 
 import matplotlib as mpl
@@ -16,6 +17,7 @@ from tracktrain.car.hopper import DURATION, hopper_car
 from tracktrain.car.linear import LinearCar
 from tracktrain.car.modes import critical_speeds
 from tracktrain.car.spreads import uncertain
+from tracktrain.car.track import on_layout, with_track
 from tracktrain.plots import BLUE, INK, RED, STYLE, plot_displacement
 from tracktrain.scales import FOOT, MILE_PER_HOUR
 from tracktrain.studies.hunting_causes import hunting_causes
@@ -80,6 +82,46 @@ def field() -> Figure:
     return figure
 
 
+CURVE = """kind,length [m],degree,direction,cant [in]
+straight,80,,,
+transition,60,,,
+curve,200,3,left,2
+transition,60,,,
+straight,100,,,
+"""
+
+
+@mpl.rc_context(STYLE)
+def curve() -> Figure:
+    """The loaded car through a curve of 3 degrees at 35 mph, on perfect track."""
+    with tempfile.TemporaryDirectory() as folder:
+        layout = Path(folder) / "curve.csv"
+        layout.write_text(CURVE)
+        speed = 35 * MILE_PER_HOUR
+        car, _ = with_track(hopper_car("loaded", speed), on_layout(layout, "perfect"))
+        data = simulate(car, duration=31.0).dataset
+    way = data["track.distance"].values
+    figure = Figure(figsize=(8, 7), layout="constrained")
+    line, rails, push, wear = figure.subplots(4, sharex=True)
+    line.plot(way, 1e3 * data["track.curvature"], color=INK)
+    line.set_ylabel("curvature [1/km]")
+    for name, color in (("wheelset_11", RED), ("wheelset_12", BLUE)):
+        rails.plot(way, 1e3 * data[f"{name}.y_rel"], color=color, label=name)
+        outer = data[f"{name}.right.wear_number"]
+        wear.plot(way, outer, color=color)
+    for side, color in (("left", BLUE), ("right", RED)):
+        load = data[f"truck_front.axle[1].load_{side}"]
+        force = data[f"wheelset_11.{side}.l_over_v"] * load
+        push.plot(way, force / 1e3, color=color, label=f"wheelset_11 {side}")
+    rails.set_ylabel("to the rails [mm]")
+    push.set_ylabel("guiding force [kN]")
+    wear.set_ylabel("T gamma, right [N]")
+    wear.set_xlabel("distance of the leading axle [m]")
+    for axes in (rails, push):
+        axes.legend(loc="center right")
+    return figure
+
+
 def _axle(dataset) -> np.ndarray:
     return dataset["truck_front.axle[1].y"].values
 
@@ -95,4 +137,5 @@ if __name__ == "__main__":
     causes = hunting_causes().pictures["critical_speeds"]
     causes.savefig(PICTURES / "hunting_causes.png", dpi=120)
     field().savefig(PICTURES / "hunting_field.png", dpi=120)
+    curve().savefig(PICTURES / "curve.png", dpi=120)
     uncertainty().pictures["bands"].savefig(PICTURES / "uncertainty.png", dpi=120)

@@ -16,7 +16,7 @@ from orchestrator import Provenance, Run
 
 from ..answer import parts
 from ..assessment import assess
-from ..car import slip
+from ..car import curving, slip
 from ..errors import TracktrainError
 from ..events import nadal_rule
 from ..results import Bond, dataset_of
@@ -58,7 +58,7 @@ def page(dataset: xr.Dataset, bonds: Sequence[Bond] | None = None) -> str:
         parameters=content.parameters(dataset),
         fmus=content.fmus(dataset),
         system=None if content.is_car(dataset) else system.made(dataset),
-        notes=[*provenance.notes, *slip.remarks(dataset)],
+        notes=[*provenance.notes, *curving.remarks(dataset), *slip.remarks(dataset)],
         parts=parts(dataset),
         events=content.happened(dataset),
         nadal=nadal_rule(),

@@ -124,8 +124,8 @@ def _entry(block: str | None, name: str, value: object) -> tuple[Entry | None, b
     known = False
     for given in PARAMETER_SETS:
         entry = parameter_set(given).entry(name, block) if block else None
-        if entry is None or block is None:
-            continue
+        if entry is None or block is None or name not in parameter_units(block):
+            continue  # an FMU in the block's place may have more parameters than it
         known = True
         if isinstance(value, (int, float)):
             published = entry.to(parameter_units(block)[name])

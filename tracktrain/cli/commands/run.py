@@ -278,7 +278,7 @@ def _idle(
 def _judge(result: Run, counting: Counting, folder: Path, lost: list[str], form: str) -> None:
     """Say the verdict in parts in the results, and with the statistics at the end, in a form."""
     from ...answer import parts
-    from ...car import slip
+    from ...car import curving, slip
     from ...events import events
     from ..events import print_events, write_events
     from ..summary import numbers, print_summary
@@ -287,7 +287,8 @@ def _judge(result: Run, counting: Counting, folder: Path, lost: list[str], form:
         dataset = counting.counted(result.signals)
     except ValueError as error:
         dataset, lost = result.signals, [*lost, f"{error}; all of it is counted"]
-    found, lost = events(result.signals), [*lost, *slip.remarks(result.signals)]
+    found = events(result.signals)
+    lost = [*lost, *curving.remarks(result.signals), *slip.remarks(result.signals)]
     judged = parts(dataset, result.verdict, whole=result.signals)
     lost = [*lost, *_say(judged, folder)]
     write_events(found, folder)
