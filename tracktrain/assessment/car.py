@@ -19,6 +19,7 @@ from . import windows
 from .rules import Band, ForeignError, NotApplicableError, Rule, parameter
 
 Array = NDArray[np.float64]
+Rows = NDArray[np.intp]
 SAMPLES_PER_CYCLE = 4
 """At the upper corner of a filter, at least."""
 
@@ -107,7 +108,7 @@ class Car:
         return np.asarray(np.gradient(self.distance, self.time))
 
     @cached_property
-    def curves(self) -> list[tuple[Section, Array]]:
+    def curves(self) -> list[tuple[Section, Rows]]:
         """The full curves, and the rows in which the car's middle is in each; ends are kept off
         by what `sections` takes for the transition."""
         bent = f"{self.layout.track}.curvature", f"{self.layout.track}.cant"
@@ -218,7 +219,7 @@ class Car:
             raise NotApplicableError(self._too_short(extent, length, unit, rule_unit))
         return values, max(round(length / extent * (len(values) - 1)), 1)
 
-    def windowed_rows(self, values: Array, rule: Rule, rows: Array) -> tuple[Array, int]:
+    def windowed_rows(self, values: Array, rule: Rule, rows: Rows) -> tuple[Array, int]:
         """The values of some rows at equal distances of way, and how many the window has."""
         assert rule.window is not None
         way = self.distance[rows]

@@ -11,7 +11,7 @@ from ..car.layout import SIDES
 from ..geometry.layout import CHORD
 from ..geometry.sections import Section
 from . import windows
-from .car import Array, Car
+from .car import Car, Rows
 from .criteria import LIMITS, MEASURES, Found, limit, measure
 from .rules import Rule, to_si
 
@@ -69,7 +69,7 @@ def _cant_deficiency(car: Car, rule: Rule) -> Found:
         )
 
 
-def _bodies(car: Car) -> Iterator[tuple[str, Array]]:
+def _bodies(car: Car) -> Iterator[tuple[str, Rows]]:
     """Each full curve: how it is called in a place, and the rows in it."""
     for section, rows in car.curves:
         yield f", {described(section)}", rows
