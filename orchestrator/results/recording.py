@@ -24,12 +24,13 @@ FLUSH = 2.0
 
 
 class Snapshot(NamedTuple):
-    """What a recording was: its window, sums, rows that were summed up, and inputs by first row."""
+    """What a recording was: its window, sums, rows in them and in files, inputs by first row."""
 
     first: int
     rows: NDArray[np.float64]
     ends: NDArray[np.float64]
     sums: NDArray[np.float64]
+    summed: int
     taken: int
     held: list[tuple[int, NDArray[np.float64]]]
 
@@ -71,7 +72,8 @@ class Recording:
         self.ends = _room(self._count, len(prepared.led))
         self.first = 0
         self._sums = BondSums(plan.bonds, plan.column_of, prepared.led, grid.step)
-        self._taken = 0  # rows that are summed up and in the file
+        self._summed = 1  # rows up to which energies are summed up
+        self._taken = 0  # rows that sinks have
         self._flushed = time.perf_counter()
 
     @property
@@ -94,11 +96,18 @@ class Recording:
         values[place] = value
         self._held.append((row, values))
 
+    def sum_up(self, done: int) -> None:
+        """Add the energies up to row `done` - 1: cheapest while the rows were just made."""
+        if done > self._summed:
+            self._sums.add(self._summed - 1, done - 1, self.in_memory)
+            self._summed = done
+
     def take(self, done: int, now: bool = False) -> None:
         """Rows before `done` are complete: write them where that is due, or `now`; make room.
 
         Raises ResultsError where a sink cannot go on.
         """
+        self.sum_up(done)
         full = self.last < self._grid.steps and done > self.last
         due = min((getattr(sink, "due", FLUSH) for sink in self.sinks), default=np.inf)
         waited = time.perf_counter() - self._flushed > due
@@ -106,7 +115,6 @@ class Recording:
             return
         while self._taken < done:
             first, self._taken = self._taken, min(self._taken + BLOCK, done)
-            self._sums.add(max(first - 1, 0), self._taken - 1, self.in_memory)
             if self.sinks:
                 self._give(self.kept(first, self._taken))
         self._flushed = time.perf_counter()
@@ -130,8 +138,8 @@ class Recording:
             raise errors[0]
 
     def residuals(self) -> list[BondResidual]:
-        """Energy residual of every bond, over the rows that were taken."""
-        return self._sums.residuals() if self._taken > 1 else []
+        """Energy residual of every bond, over the rows that were summed up."""
+        return self._sums.residuals() if self._summed > 1 else []
 
     def memory(self, done: int) -> dict[str, NDArray[Any]]:
         """What a continued run needs: the newest rows, and sums."""
@@ -147,7 +155,7 @@ class Recording:
         count = len(memory["rows"])
         self.rows[:count], self.ends[:count] = memory["rows"], memory["ends"]
         self._sums.values[:] = memory["sums"]
-        self._taken = done
+        self._taken = self._summed = done
         self.first = done - count
 
     def whole(self, done: int) -> Snapshot:
@@ -158,6 +166,7 @@ class Recording:
             self.rows[:last].copy(),
             self.ends[:last].copy(),
             self._sums.values.copy(),
+            self._summed,
             self._taken,
             list(self._held),
         )
@@ -167,7 +176,7 @@ class Recording:
         count = len(snapshot.rows)
         self.rows[:count], self.ends[: len(snapshot.ends)] = snapshot.rows, snapshot.ends
         self._sums.values[:] = snapshot.sums
-        self.first, self._taken = snapshot.first, snapshot.taken
+        self.first, self._summed, self._taken = snapshot.first, snapshot.summed, snapshot.taken
         self._held = list(snapshot.held)
 
     def kept(self, first: int, last: int) -> NDArray[np.float64]:

@@ -37,6 +37,9 @@ CHUNK = 0.07
 CLOSE = 1e-6
 """Share of a macro step that makes no difference between two times."""
 
+BLOCK = 256
+"""Macro steps after which energies are summed up, while the rows are still near the processor."""
+
 LOOKS = 8
 """Chunks that even a short run has, so that what an FMU did is looked for while it runs."""
 
@@ -239,9 +242,17 @@ class Stepper:
             self._watch.search(lambda: self._call(*given))
             self._advance = compiled
         else:
-            self._call(*given)
+            self._blocks(*given)
         self._watch.look(often=last == first + 1)
         return last
+
+    def _blocks(self, first: int, last: int, step: float, record: Record, report: Any) -> None:
+        """The macro loop, with energies summed up as the rows are made."""
+        for begin in range(first, last, BLOCK):
+            self._call(begin, min(begin + BLOCK, last), step, record, report)
+            self._recording.sum_up(self.rows_done)
+            if report[1]:
+                return
 
     def _call(
         self,

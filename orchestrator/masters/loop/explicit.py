@@ -37,24 +37,26 @@ from .leads import (
     fill_finals,
     fill_rates,
     find_leads,
+    keep_ends,
     lead_constants,
     lead_tables,
     leads_of,
-    led_to,
+    led_alone,
 )
 from .packets import Feed, feed, fill_inputs, send, send_rates
 from .record import Record, at
 from .refresh import Refresh, refresh_table
-from .tables import DERIVE, Calls, calls, do_step, early_columns, goes_on, read_early
+from .tables import DERIVE, Calls, calls, do_step, early_columns, goes_on, read_early, stands
 from .tangents import Tangents, gather, tangent_table
 
 
 def prepare(plan: Plan, slaves: Sequence[Slave], coupling: Coupling) -> Prepared:
     """Tables for `advance`."""
     led = [link for bond in plan.bonds for link in (bond.force, bond.velocity)]
-    led = sorted(dict.fromkeys(led), key=lambda link: link.target)
     targets, seed_links = gather(plan, coupling)
     groups = leads_of(plan, coupling, targets)
+    straight = led_alone(groups, coupling)
+    led = sorted(dict.fromkeys(led), key=lambda link: (link.target, link not in straight))
     readers = {
         call.seed_group: number
         for number, target in enumerate(targets)
@@ -130,7 +132,7 @@ def advance(
     for k in range(first, last):
         for slave in crew.slave:
             window = calls.every[slave]
-            if (k + 1) % window != 0:
+            if not stands(calls, slave, k + 1):
                 carry_on(calls, slave, record, k + 1, degree, step)
                 continue
             begin, length = k + 1 - window, window * step
@@ -210,25 +212,3 @@ def ask_tangents(
         result = tangents.result[tangents.entry[n]]
         inputs.packets.value[tangents.slot[n]] = tangents.gain[n] * result
     return True
-
-
-@in_c
-def keep_ends(
-    slave: int,
-    ends: Ends,
-    inputs: Feed,
-    leads: Leads,
-    record: Record,
-    k: int,
-    length: float,
-) -> None:
-    """Keep what a slave's inputs were led to at the end of the step from row k."""
-    before, after, values = at(record, k), at(record, k + 1), inputs.packets.value
-    for n in range(ends.first[slave], ends.first[slave + 1]):
-        lead = ends.lead[n]
-        value = values[ends.slot[n]] if lead < 0 else led_to(inputs, leads, lead, length)
-        for m in range(ends.first_term[n], ends.first_term[n + 1]):
-            column = ends.term_column[m]
-            moved = record.rows[after, column] - record.rows[before, column]
-            value += values[ends.term_slot[m]] * moved
-        record.ends[before, n] = value

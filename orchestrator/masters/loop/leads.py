@@ -20,8 +20,8 @@ from .packets import Feed, Packets, packets
 from .record import Record, at
 from .tangents import Target
 
-KNOWN_END, DECLARED_RATE, EXTRAPOLATED, DERIVED = range(4)
-"""Where a speed comes from: both ends, a declared rate, the last values, a tangent's source."""
+KNOWN_END, DERIVED, DECLARED_RATE, EXTRAPOLATED = range(4)
+"""Where a speed comes from: both ends, a tangent's source, a declared rate, the last values."""
 
 LINE, PARABOLA, MEAN, END = range(4)
 """What an FMU is given of its input: the line with the parabola's mean, the parabola, the mean as a
@@ -31,13 +31,17 @@ constant, or the known end as a constant."""
 class Leads(NamedTuple):
     """Inputs by group: value + speed t + bend t^2 / 2, with t [s] from the step's beginning.
 
-    Speed and bend are `gain` times what `kind` says of the source's `column`. rate: the column of a
-    declared rate times `rate_gain`, or the entry of a tangent's results; second: the column of its
-    own declared rate times `second_gain`, or -1. every: macro steps between two new values of the
-    column. slot: the input's place in the feed.
+    Speed and bend are `gain` times what `kind` says of the source's `column`. known, derived: where
+    the group's first leads by a known end stop, and those by a tangent's source behind them; these
+    have no bend. rate: the column of a declared rate times `rate_gain`, or the entry of a tangent's
+    results; second: the column of its own declared rate times `second_gain`, or -1. every: macro
+    steps between two new values of the column. slot: the input's place in the feed. constant: of
+    those that are constant over a step, by group.
     """
 
     first: Ints
+    known: Ints
+    derived: Ints
     kind: Ints
     column: Ints
     gain: Floats
@@ -48,24 +52,32 @@ class Leads(NamedTuple):
     every: Ints
     shape: Ints
     slot: Ints
+    first_constant: Ints
+    constant: Ints
     speed: Floats
     bend: Floats
 
 
 class Led(NamedTuple):
-    """Numbers to send by group, and the lead that each follows from."""
+    """Numbers to send by group, and the lead that each follows from.
+
+    plain: where the group's first numbers stop that are speeds of leads without a bend.
+    """
 
     packets: Packets
+    plain: Ints
     lead: Ints
 
 
 class Ends(NamedTuple):
     """Inputs whose value at the end of each step is kept, by slave.
 
+    lines: where the slave's first ones stop that are led there along a line or parabola alone.
     lead: or -1. Terms: a partial's slot times a column's change.
     """
 
     first: Ints
+    lines: Ints
     slot: Ints
     lead: Ints
     first_term: Ints
@@ -99,7 +111,7 @@ def leads_of(plan: Plan, coupling: Coupling, targets: Sequence[Target]) -> list[
                 group.append(Lead(link, DERIVED, column, rate=target.rate_entry[link]))
             elif way not in (Way.TANGENT, Way.HELD):
                 group.append(best_lead(plan, coupling, link, link.target))
-        found.append(group)
+        found.append(sorted(group, key=lambda lead: lead.kind))
     return found
 
 
@@ -136,8 +148,16 @@ def lead_tables(
     if first_slot is not None:
         at = {k: n for i in range(len(plan.names)) for n, k in enumerate(plan.links_of(i))}
         slots = [int(first_slot[lead.link.target]) + at[lead.link] for lead in flat]
+    first = starts([len(group) for group in groups])
+    known = first[:-1] + ints(_leading(group, KNOWN_END) for group in groups)
+    derived = ints(
+        _leading(g[n:], DERIVED) for g, n in zip(groups, known - first[:-1], strict=True)
+    )
+    constants = [[n for lead, n in g if lead.shape in (MEAN, END)] for g in _numbered(groups)]
     leads = Leads(
-        first=starts([len(group) for group in groups]),
+        first=first,
+        known=known,
+        derived=known + derived,
         kind=ints(lead.kind for lead in flat),
         column=ints(lead.column for lead in flat),
         gain=np.array([lead.link.gain for lead in flat], float),
@@ -148,6 +168,8 @@ def lead_tables(
         every=ints(plan.every[lead.link.source] for lead in flat),
         shape=ints(lead.shape for lead in flat),
         slot=ints(slots),
+        first_constant=starts([len(group) for group in constants]),
+        constant=ints(n for group in constants for n in group),
         speed=np.zeros(len(flat)),
         bend=np.zeros(len(flat)),
     )
@@ -168,6 +190,11 @@ def lead_tables(
     return leads, _led(rates), _led(finals)
 
 
+def _leading(group: Sequence[Lead], kind: int) -> int:
+    """How many leads of a kind a group begins with."""
+    return next((n for n, lead in enumerate(group) if lead.kind != kind), len(group))
+
+
 def _numbered(groups: Sequence[Sequence[Lead]]) -> list[list[tuple[Lead, int]]]:
     first = starts([len(group) for group in groups])
     return [
@@ -179,7 +206,14 @@ def _numbered(groups: Sequence[Sequence[Lead]]) -> list[list[tuple[Lead, int]]]:
 def _led(groups: Sequence[Sequence[tuple[Lead, int, int]]]) -> Led:
     references = [[lead.link.input.reference for lead, _, _ in group] for group in groups]
     flat = [entry for group in groups for entry in group]
-    return Led(packets(references, [order for _, _, order in flat]), ints(n for _, n, _ in flat))
+    made = packets(references, [order for _, _, order in flat])
+    plain = [
+        next(
+            (n for n, (lead, _, _) in enumerate(g) if lead.kind not in (KNOWN_END, DERIVED)), len(g)
+        )
+        for g in groups
+    ]
+    return Led(made, made.first[:-1] + ints(plain), ints(n for _, n, _ in flat))
 
 
 def end_table(
@@ -190,13 +224,15 @@ def end_table(
     first_slot: Ints,
     led: Sequence[Link],
 ) -> Ends:
-    """The table of the links `led`, which are sorted by target."""
+    """The table of the links `led`, which are sorted by target, with `led_alone` first."""
     numbers = {lead.link: n for numbered in _numbered(groups) for lead, n in numbered}
+    alone = led_alone(groups, coupling)
     slot, lead, sizes, term_slot, term_column = [], [], [], [], []
-    count = [0] * len(targets)
+    count, lines = [0] * len(targets), [0] * len(targets)
     for link in led:
         target, begin = targets[link.target], int(first_slot[link.target])
         count[link.target] += 1
+        lines[link.target] += link in alone
         slot.append(begin + target.links.index(link))
         lead.append(numbers.get(link, -1))
         terms = coupling.tangents[link] if coupling.ways[link] is Way.TANGENT else []
@@ -204,9 +240,17 @@ def end_table(
         for tangent in terms:
             term_slot.append(begin + len(target.links) + target.partials.index(tangent.partial))
             term_column.append(plan.column_of[link.target, tangent.output])
+    first = starts(count)
     return Ends(
-        starts(count), ints(slot), ints(lead), starts(sizes), ints(term_slot), ints(term_column)
+        *(first, first[:-1] + ints(lines), ints(slot), ints(lead)),
+        *(starts(sizes), ints(term_slot), ints(term_column)),
     )
+
+
+def led_alone(groups: Sequence[Sequence[Lead]], coupling: Coupling) -> set[Link]:
+    """The links that only a line or a parabola leads."""
+    led = {lead.link for group in groups for lead in group if lead.shape in (LINE, PARABOLA)}
+    return {link for link in led if coupling.ways[link] is not Way.TANGENT}
 
 
 @in_c
@@ -214,8 +258,11 @@ def extrapolate(
     record: Record, column: int, k: int, every: int, degree: int, step: float
 ) -> tuple[float, float]:
     """Speed and bend at row k of the polynomial through the last values of a column."""
-    last = k - k % every
-    most = min(degree, last // every)
+    last, values = k, k
+    if every > 1:  # a division of whole numbers takes longer than all that is left
+        last = k - k % every
+        values = last // every
+    most = min(degree, values)
     if most == 0:
         return 0.0, 0.0
     apart = every * step
@@ -235,13 +282,19 @@ def find_leads(
     result: Floats,
 ) -> None:  # fmt: skip
     """Speeds and bends of a group over the `window` macro steps that end at row k + 1."""
-    rows, length = record.rows, window * step
+    rows, length, speeds = record.rows, window * step, leads.speed
     start, now, end = at(record, k + 1 - window), at(record, k), at(record, k + 1)
-    for n in range(leads.first[group], leads.first[group + 1]):
+    known, derived, rate = leads.known[group], leads.derived[group], 1.0 / length
+    for n in range(leads.first[group], known):
+        column = leads.column[n]
+        speeds[n] = leads.gain[n] * ((rows[end, column] - rows[start, column]) * rate)
+    for n in range(known, derived):
+        speeds[n] = leads.gain[n] * result[leads.rate[n]]
+    for n in range(derived, leads.first[group + 1]):
         kind, column = leads.kind[n], leads.column[n]
         speed, bend = 0.0, 0.0
         if kind == KNOWN_END:
-            speed = (rows[end, column] - rows[start, column]) / length
+            speed = (rows[end, column] - rows[start, column]) * rate
         elif kind == DERIVED:
             speed = result[leads.rate[n]]
         else:
@@ -254,7 +307,7 @@ def find_leads(
             if window > 1:  # from the value at the start straight to the end that this predicts
                 reached = rows[now, column] + step * (speed + 0.5 * step * bend)
                 speed, bend = (reached - rows[start, column]) / length, 0.0
-        leads.speed[n], leads.bend[n] = leads.gain[n] * speed, leads.gain[n] * bend
+        speeds[n], leads.bend[n] = leads.gain[n] * speed, leads.gain[n] * bend
 
 
 @in_c
@@ -282,25 +335,28 @@ def led_to(inputs: Feed, leads: Leads, n: int, length: float) -> float:
 @in_c
 def lead_constants(leads: Leads, group: int, inputs: Feed, length: float) -> None:
     """Move the inputs that are constant over a step to their mean, or to their end."""
-    for n in range(leads.first[group], leads.first[group + 1]):
+    for place in range(leads.first_constant[group], leads.first_constant[group + 1]):
+        n = leads.constant[place]
         if leads.shape[n] == MEAN:
             inputs.packets.value[leads.slot[n]] += mean_change(leads, n, length)
-        elif leads.shape[n] == END:
+        else:
             inputs.packets.value[leads.slot[n]] += change(leads, n, length)
 
 
 @in_c
 def fill_rates(rates: Led, group: int, leads: Leads, length: float) -> None:
     """Input derivatives of a group: a line has the mean of the parabola over the step."""
-    packets = rates.packets
-    for n in range(packets.first[group], packets.first[group + 1]):
+    first, value, third = rates.packets.first, rates.packets.value, length / 3.0
+    for n in range(first[group], rates.plain[group]):
+        value[n] = leads.speed[rates.lead[n]]
+    for n in range(rates.plain[group], first[group + 1]):
         lead = rates.lead[n]
-        if packets.order[n] == 2:
-            packets.value[n] = leads.bend[lead]
+        if rates.packets.order[n] == 2:
+            value[n] = leads.bend[lead]
         elif leads.shape[lead] == PARABOLA:
-            packets.value[n] = leads.speed[lead]
+            value[n] = leads.speed[lead]
         else:
-            packets.value[n] = leads.speed[lead] + length / 3.0 * leads.bend[lead]
+            value[n] = leads.speed[lead] + third * leads.bend[lead]
 
 
 @in_c
@@ -309,3 +365,21 @@ def fill_finals(finals: Led, group: int, leads: Leads, inputs: Feed, length: flo
     packets = finals.packets
     for n in range(packets.first[group], packets.first[group + 1]):
         packets.value[n] = led_to(inputs, leads, finals.lead[n], length)
+
+
+@in_c
+def keep_ends(
+    slave: int, ends: Ends, inputs: Feed, leads: Leads, record: Record, k: int, length: float
+) -> None:
+    """Keep what a slave's inputs were led to at the end of the step from row k."""
+    before, after, values = at(record, k), at(record, k + 1), inputs.packets.value
+    for n in range(ends.first[slave], ends.lines[slave]):
+        record.ends[before, n] = values[ends.slot[n]] + change(leads, ends.lead[n], length)
+    for n in range(ends.lines[slave], ends.first[slave + 1]):
+        lead = ends.lead[n]
+        value = values[ends.slot[n]] if lead < 0 else led_to(inputs, leads, lead, length)
+        for m in range(ends.first_term[n], ends.first_term[n + 1]):
+            column = ends.term_column[m]
+            moved = record.rows[after, column] - record.rows[before, column]
+            value += values[ends.term_slot[m]] * moved
+        record.ends[before, n] = value

@@ -13,7 +13,7 @@ from .arrays import Ints, addresses, ints
 from .packets import Feed, feed, set_inputs
 from .quasi_newton import begin_step, improve, settled, unknowns, worst
 from .record import Record, at, row_address
-from .tables import GET, LOOP, NOT_FINITE, Calls, goes_on
+from .tables import GET, LOOP, NOT_FINITE, Calls, goes_on, stands
 from .unknowns import Unknowns
 
 LOOP_PASSES, LOOP_TOLERANCE = 100, 1e-10
@@ -98,7 +98,7 @@ def refresh_batch(
 ) -> bool:
     """Set a batch's inputs from row k and read its outputs."""
     slave = refresh.slave[batch]
-    if k % calls.every[slave] != 0:
+    if not stands(calls, slave, k):
         return True
     if not set_inputs(calls, slave, refresh.inputs, batch, record, k, report):
         return False

@@ -92,6 +92,12 @@ def goes_on(report: Ints, slave: int, call: int, status: int) -> bool:
 
 
 @in_c
+def stands(calls: Calls, slave: int, k: int) -> bool:
+    """Whether a slave's own steps end at row k."""
+    return calls.every[slave] == 1 or k % calls.every[slave] == 0  # the division takes its time
+
+
+@in_c
 def do_step(calls: Calls, slave: int, time: float, length: float, report: Ints) -> bool:
     """Step a slave from a time over a length [s]."""
     status = ffi.do_step(calls.do_step[slave], calls.instance[slave], time, length)
