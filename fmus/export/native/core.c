@@ -223,13 +223,17 @@ static Status get_local(Instance *instance, uint32_t reference, double *value) {
 
 Status core_get(Instance *instance, const uint32_t *reference, size_t count, double *value) {
     State *s = &instance->state;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count;) {
         uint32_t r = reference[i];
-        int output = r - FIRST_OUTPUT < N_OUTPUTS;
-        if (output && s->outputs_stale && refresh_outputs(instance) != OK) return ERROR;
-        if (!output && check_readable(instance, r) != OK) return ERROR;
+        if (r - FIRST_OUTPUT < N_OUTPUTS) {
+            if (s->outputs_stale && refresh_outputs(instance) != OK) return ERROR;
+            for (; i < count && reference[i] - FIRST_OUTPUT < N_OUTPUTS; i++) value[i] = s->value[reference[i]];
+            continue;
+        }
+        if (check_readable(instance, r) != OK) return ERROR;
         if (r < FIRST_LOCAL) value[i] = s->value[r];
         else if (get_local(instance, r, value + i) != OK) return ERROR;
+        i++;
     }
     return OK;
 }

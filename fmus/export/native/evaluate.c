@@ -203,12 +203,14 @@ Status core_plan(Instance *instance, double time, double size, long *count) {
     common_arguments(instance, s->x, inputs(s));
     instance->res[0] = &largest;
     CALL(largest_step);
+    *count = 1;
+    if (size <= largest) return OK;
     double steps = ceil(size / largest - 1e-9);
     if (!(steps <= MOST_MICRO_STEPS))
         return core_fail(instance, "doStep by %g s would take %g micro steps of %g s, and %g are the most: take "
                                    "shorter steps, or correct the parameters that make micro steps so short",
                          size, steps, largest, MOST_MICRO_STEPS);
-    *count = steps > 1.0 ? (long)steps : 1;
+    if (steps > 1.0) *count = (long)steps;
     return OK;
 }
 
@@ -279,38 +281,30 @@ int continuous_place(const uint32_t *table, uint32_t reference) {
 }
 
 #if N_LED
-/* Whether slopes of outputs by inputs alone were asked for, which one evaluation gives; and then they. */
-static int led_slopes(Instance *instance, const uint32_t *unknown, size_t unknown_count, const uint32_t *known,
-                      size_t known_count, const double *seed, double *sensitivity) {
-    State *s = &instance->state;
+/* Whether all that is asked for are slopes of the first outputs by inputs, which one evaluation gives. */
+static int asks_for_slopes(const uint32_t *unknown, size_t unknown_count, const uint32_t *known, size_t known_count) {
     for (size_t i = 0; i < unknown_count; i++)
         if (unknown[i] - FIRST_OUTPUT >= N_LED) return 0;
     for (size_t k = 0; k < known_count; k++)
         if (known[k] - FIRST_INPUT >= N_INPUTS) return 0;
-    if (s->slopes_stale) {
-        common_arguments(instance, s->x, inputs(s));
-        instance->arg[4] = instance->lookup;
-        instance->res[0] = instance->slope;
-        CALL(slopes);
-        s->slopes_stale = 0;
-    }
-    for (size_t i = 0; i < unknown_count; i++) {
-        const double *slope = instance->slope + (unknown[i] - FIRST_OUTPUT) * N_INPUTS;
-        sensitivity[i] = 0.0;
-        for (size_t k = 0; k < known_count; k++) sensitivity[i] += slope[known[k] - FIRST_INPUT] * seed[k];
-    }
     return 1;
+}
+
+static void refresh_slopes(Instance *instance) {
+    State *s = &instance->state;
+    if (!s->slopes_stale) return;
+    common_arguments(instance, s->x, inputs(s));
+    instance->arg[4] = instance->lookup;
+    instance->res[0] = instance->slope;
+    CALL(slopes);
+    s->slopes_stale = 0;
 }
 #endif
 
-Status core_directional(Instance *instance, const uint32_t *unknown, size_t unknown_count,
-                        const uint32_t *known, size_t known_count, const double *seed,
-                        double *sensitivity) {
+/* Whatever is asked for, along the seed. */
+static Status along_seed(Instance *instance, const uint32_t *unknown, size_t unknown_count, const uint32_t *known,
+                         size_t known_count, const double *seed, double *sensitivity) {
     State *s = &instance->state;
-    if (refresh_states(instance) != OK) return ERROR;
-#if N_LED
-    if (led_slopes(instance, unknown, unknown_count, known, known_count, seed, sensitivity)) return OK;
-#endif
     double x_seed[N_CONTINUOUS + 1] = {0.0}, u_seed[N_INPUTS + 1] = {0.0};
     double fraction_seed[TABLE_STATIONS + 1], output[N_OUTPUTS + 1], rate[N_CONTINUOUS + 1];
     for (size_t i = 0; i < known_count; i++) {
@@ -348,4 +342,23 @@ Status core_directional(Instance *instance, const uint32_t *unknown, size_t unkn
         sensitivity[i] = (is_output ? output : rate)[place];
     }
     return OK;
+}
+
+Status core_directional(Instance *instance, const uint32_t *unknown, size_t unknown_count,
+                        const uint32_t *known, size_t known_count, const double *seed,
+                        double *sensitivity) {
+    if (refresh_states(instance) != OK) return ERROR;
+#if N_LED
+    if (asks_for_slopes(unknown, unknown_count, known, known_count)) {
+        refresh_slopes(instance);
+        for (size_t i = 0; i < unknown_count; i++) {
+            const double *slope = instance->slope + (unknown[i] - FIRST_OUTPUT) * N_INPUTS;
+            double sum = 0.0;
+            for (size_t k = 0; k < known_count; k++) sum += slope[known[k] - FIRST_INPUT] * seed[k];
+            sensitivity[i] = sum;
+        }
+        return OK;
+    }
+#endif
+    return along_seed(instance, unknown, unknown_count, known, known_count, seed, sensitivity);
 }
