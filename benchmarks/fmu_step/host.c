@@ -1,10 +1,11 @@
 /* Times one block: the generated step alone, and the steps of its FMI 2.0 and FMI 3.0 libraries.
  * Arguments: FMI 2.0 library, FMI 3.0 library, GUID of each, step size [s], parameter to set.
  * Prints the nanoseconds that each library took from its opening to an instance, then for each round
- * those of an addition, a multiplication, a division, a choice (smaller, larger, absolute) and a root,
- * and those of a step: bare, fmi2, fmi3, both with inputs set and outputs read, and fmi2 with a tunable parameter set (0 where there is none). */
+ * those of a step: all equations alone, the step's alone, fmi2, fmi3, both with inputs set and outputs
+ * read, and fmi2 with a tunable parameter set (0 where there is none). */
 #define _POSIX_C_SOURCE 199309L
 #include <dlfcn.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,7 +34,7 @@ typedef struct {
 } Callbacks;
 
 static void *library[2], *instance[2];
-static double u[N_INPUTS + 1], y[N_OUTPUTS + 1];
+static double u[2][N_INPUTS + 1], y[N_OUTPUTS + 1]; /* the inputs of even and of odd steps */
 static unsigned input[N_INPUTS + 1], output[N_OUTPUTS + 1];
 static size_t readable; /* of those that are scalars in both versions */
 
@@ -63,59 +64,106 @@ static void open_fmi3(const char *path, const char *guid) {
          fmi3ExitInitializationMode(instance[1]));
 }
 
-static double bare(void) {
-    static double x[2][N_STATES + 1], rate[N_INPUTS + 1], d[N_DERIVED + 1], p[N_PARAMETERS + 1],
-        ends[2][N_INPUTS + 1], w[WORK_W + 1], t[N_TRANSITION + 1];
-    static const double *arg[WORK_ARG + 1];
-    static double *res[WORK_RES + 1];
-    static long long iw[WORK_IW + 1];
-    double margin;
-    for (int i = 0; i < N_PARAMETERS; i++) p[i] = VARIABLE_INFO[i].start;
-    arg[0] = p, res[0] = d;
-    derived(arg, res, iw, w, 0);
-    arg[0] = p, arg[1] = d, arg[2] = u, res[0] = x[0];
-    initial(arg, res, iw, w, 0);
+/* The generated equations without an FMU around them. */
+static struct {
+    double x[2][N_STATES + 1], u[2][N_INPUTS + 1], rate[N_INPUTS + 1], y[N_OUTPUTS + 1], p[N_PARAMETERS + 1];
+    double d[N_DERIVED + 1], t[N_TRANSITION + 1], w[WORK_W + 1], margin, number;
+    double lookup[TABLE_ROWS * TABLE_STATIONS + 1], station[TABLE_STATIONS + 1];
+    double page[TABLE_SLOTS][TABLE_PAGE_SIZE + 1];
+    int64_t filled[TABLE_SLOTS]; /* number of the page in a slot, from 1 */
+    const double *arg[WORK_ARG + 1];
+    double *res[WORK_RES + 1];
+    long long iw[WORK_IW + 1];
+} e;
+
+/* Through a volatile pointer: else the compiler would take what it knows of these numbers out of the equations. */
+#define CALL(function)                                                                                     \
+    do {                                                                                                   \
+        int (*volatile generated)(const double **, double **, long long *, double *, int) = function;      \
+        generated(e.arg, e.res, e.iw, e.w, 0);                                                             \
+    } while (0)
+
+static void begin(void) {
+    for (int i = 0; i < N_PARAMETERS; i++) e.p[i] = VARIABLE_INFO[i].start;
+    memset(e.filled, 0, sizeof e.filled);
+    e.arg[0] = e.p, e.res[0] = e.d;
+    CALL(derived);
+    e.arg[0] = e.p, e.arg[1] = e.d, e.arg[2] = u[0], e.res[0] = e.x[0];
+    CALL(initial);
 #if N_TRANSITION
-    arg[0] = d, arg[1] = &size, res[0] = t;
-    transition(arg, res, iw, w, 0);
+    e.arg[0] = e.d, e.arg[1] = &size, e.res[0] = e.t;
+    CALL(transition);
 #endif
-    memcpy(ends[0], u, sizeof u);
-    /* Else the compiler would take what it knows of this host's numbers out of the equations. */
-    int (*volatile generated)(const double **, double **, long long *, double *, int) = step;
-    double start = now();
-    for (int k = 0; k < STEPS; k++) {
-        arg[0] = x[k % 2], arg[1] = ends[k % 2], arg[2] = rate, arg[3] = p, arg[4] = d, arg[5] = &size, arg[6] = t;
-        res[0] = x[(k + 1) % 2], res[1] = ends[(k + 1) % 2], res[2] = &margin;
-        generated(arg, res, iw, w, 0);
+    memcpy(e.u[0], u[0], sizeof u[0]);
+}
+
+/* A micro step number k from these inputs. */
+static void step_alone(int k, const double *from) {
+    e.arg[0] = e.x[k % 2], e.arg[1] = from, e.arg[2] = e.rate, e.arg[3] = e.p, e.arg[4] = e.d, e.arg[5] = &size;
+    e.arg[6] = e.t;
+    e.res[0] = e.x[(k + 1) % 2], e.res[1] = e.u[(k + 1) % 2], e.res[2] = &e.margin;
+    CALL(step);
+#if HAS_MARGIN
+    if (e.margin < 0.0) CALL(step_beyond);
+#endif
+}
+
+#if TABLE_STATIONS
+static const double *node_of(double node) {
+    e.number = floor(node / TABLE_NODES);
+    int64_t number = (int64_t)e.number, slot = ((number % TABLE_SLOTS) + TABLE_SLOTS) % TABLE_SLOTS;
+    if (e.filled[slot] != number + 1) {
+        e.arg[0] = &e.number, e.arg[1] = e.d, e.res[0] = e.page[slot];
+        CALL(page);
+        e.filled[slot] = number + 1;
     }
+    return e.page[slot] + (int64_t)(node - e.number * TABLE_NODES) * TABLE_VALUES;
+}
+
+static void look_up(void) {
+    e.res[0] = e.station;
+    CALL(stations);
+    for (int i = 0; i < TABLE_STATIONS; i++) {
+        double place = e.station[i] / TABLE_SPACING, node = floor(place), *column = e.lookup + i * TABLE_ROWS;
+        column[0] = place - node;
+        memcpy(column + 1, node_of(node), TABLE_VALUES * sizeof(double));
+        memcpy(column + 1 + TABLE_VALUES, node_of(node + 1.0), TABLE_VALUES * sizeof(double));
+    }
+}
+#endif
+
+static void at_end(int k) {
+    e.arg[0] = e.x[(k + 1) % 2], e.arg[1] = e.u[(k + 1) % 2], e.arg[2] = e.p, e.arg[3] = e.d;
+}
+
+static double bare(void) {
+    begin();
+    double start = now();
+    for (int k = 0; k < STEPS; k++) step_alone(k, e.u[k % 2]);
     return (now() - start) / STEPS;
 }
 
-#ifdef __aarch64__
-#define IN_REGISTER "+w"
-#else
-#define IN_REGISTER "+x"
+/* All equations that a doStep needs and the outputs behind it, called one after the other. */
+static double equations(void) {
+    begin();
+    double largest, start = now();
+    for (int k = 0; k < STEPS; k++) {
+        e.arg[0] = e.x[k % 2], e.arg[1] = u[k % 2], e.arg[2] = e.p, e.arg[3] = e.d, e.res[0] = &largest;
+        CALL(largest_step);
+        step_alone(k, u[k % 2]);
+        at_end(k);
+#if TABLE_STATIONS
+        look_up();
+        at_end(k);
 #endif
-/* Nanoseconds of one operation, where eight at a time wait for none of the others. */
-#define COST(name, operation)                                                     \
-    static double name(void) {                                                    \
-        double a[8], y = 1.0 + 1e-30 * now();                              \
-        for (int i = 0; i < 8; i++) a[i] = 1.0 + i;                               \
-        double start = now();                                                     \
-        for (int k = 0; k < STEPS; k++) {                                         \
-            for (int i = 0; i < 8; i++) {                                         \
-                double x = a[i];                                                  \
-                a[i] = operation;                                                 \
-                __asm__ volatile("" : IN_REGISTER(a[i]));                         \
-            }                                                                     \
-        }                                                                         \
-        return (now() - start) / STEPS / 8;                                       \
+        e.arg[4] = e.lookup, e.res[0] = e.y, e.res[1] = &e.margin;
+        CALL(outputs);
+#if HAS_MARGIN
+        if (e.margin < 0.0) CALL(outputs_beyond);
+#endif
     }
-COST(cost_add, x + y)
-COST(cost_multiply, x * y)
-COST(cost_divide, x / y)
-COST(cost_choose, x < y ? x : y)
-COST(cost_root, __builtin_sqrt(x))
+    return (now() - start) / STEPS;
+}
 
 /* exchange: with inputs set and outputs read; parameter: set in each step, 0 for none. */
 static double fmi2(bool exchange, unsigned parameter) {
@@ -125,7 +173,7 @@ static double fmi2(bool exchange, unsigned parameter) {
     double value = 0.0, start = now();
     if (parameter) MUST(fmi2GetReal(instance[0], &parameter, 1, &value));
     for (int k = 0; k < STEPS; k++) {
-        if (exchange) MUST(fmi2SetReal(instance[0], input, N_INPUTS, u));
+        if (exchange) MUST(fmi2SetReal(instance[0], input, N_INPUTS, u[k % 2]));
         if (parameter) MUST(fmi2SetReal(instance[0], &parameter, 1, &value));
         MUST(fmi2DoStep(instance[0], k * size, size, 1));
         if (exchange) MUST(fmi2GetReal(instance[0], output, readable, y));
@@ -140,7 +188,7 @@ static double fmi3(bool exchange) {
     bool event, end, early;
     double last, start = now();
     for (int k = 0; k < STEPS; k++) {
-        if (exchange) MUST(fmi3SetFloat64(instance[1], input, N_INPUTS, u, N_INPUTS));
+        if (exchange) MUST(fmi3SetFloat64(instance[1], input, N_INPUTS, u[k % 2], N_INPUTS));
         MUST(fmi3DoStep(instance[1], k * size, size, 1, &event, &end, &early, &last));
         if (exchange) MUST(fmi3GetFloat64(instance[1], output, readable, y, readable));
     }
@@ -158,13 +206,13 @@ int main(int count, char **argument) {
     FUNCTION(1, fmi3GetFloat64, int, void *, const unsigned *, size_t, double *, size_t);
     for (unsigned i = 0; i < N_INPUTS; i++) {
         input[i] = FIRST_INPUT + i;
-        u[i] = VARIABLE_INFO[FIRST_INPUT - 1 + i].start;
+        u[0][i] = VARIABLE_INFO[FIRST_INPUT - 1 + i].start;
+        u[1][i] = 1.001 * u[0][i] + 1e-7;
     }
     for (unsigned i = FIRST_OUTPUT; i < FIRST_LOCAL; i++)
         if (fmi3GetFloat64(instance[1], &i, 1, y, 1) == 0) output[readable++] = i;
     for (int round = 0; round < ROUNDS; round++) {
-        printf("%g %g %g %g %g ", cost_add(), cost_multiply(), cost_divide(), cost_choose(), cost_root());
-        printf("%g %g %g %g %g %g\n", bare(), fmi2(false, 0), fmi3(false), fmi2(true, 0), fmi3(true),
+        printf("%g %g %g %g %g %g %g\n", equations(), bare(), fmi2(false, 0), fmi3(false), fmi2(true, 0), fmi3(true),
                fmi2(false, (unsigned)atoi(argument[6])));
     }
     return 0;
