@@ -23,10 +23,7 @@ __all__ = ["inspect"]
 MOST = 12
 """Excursions that are shown."""
 
-NOT_JUDGED = (
-    "the law is that of tangent track: 49 CFR 213.53, 213.55, 213.63. Not judged are curves, "
-    "runoff at the end of a raise, harmonics of staggered joints, and classes 6 to 9 (subpart G)"
-)
+NOT_JUDGED = "not judged are runoff at the end of a raise, harmonics of staggered joints, operation beyond 5 in of cant deficiency, and classes 6 to 9 (subpart G)"
 RANGES = (
     "standard deviations are those of sections of {section:g} m, each rail's own; ranges and "
     "filter of EN 13848-1 are recalled, its text was not read"
@@ -50,6 +47,8 @@ def inspect(track: TrackData, number: int | None = None) -> Outcome:
     asked = number or min(made + 1, federal.CLASSES[-1])
     beyond = federal.excursions(measured, asked)
     tables = {"channels": _channels(track), "federal": federal.table(measured)}
+    if len(speeds := federal.curve_speeds(track)):
+        tables["curves"] = speeds
     if len(beyond):
         worst = beyond.nlargest(MOST, "beyond [in]").sort_values("station [m]")
         tables[f"worst_excursions_class_{asked}"] = worst.reset_index(drop=True)

@@ -1,7 +1,8 @@
-"""Track by 49 CFR part 213: what it measures on tangent track, classes, excursions."""
+"""Track by 49 CFR part 213: what it measures, straight and in curves, classes, excursions."""
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,6 +18,8 @@ from fmus.track.recorded_data import TrackData
 from fmus.track.spectra import CHANNELS, INCH, data
 
 from ..geometry.chords import FOOT, offsets
+from ..geometry.layout import STRAIGHT
+from ..geometry.sections import Section, curves, sections
 from ..geometry.shapes import RAILS
 
 Array = np.ndarray
@@ -59,9 +62,8 @@ class Measure:
     @property
     def worst(self) -> int:
         """Place of the value that is nearest to its limits, or farthest beyond."""
-        middle = 0.0
-        if "least" in self.limits:
-            middle = (self.limits["least"][-1] + self.limits["most"][-1]) / 2
+        least, most = self.limits.get("least", [0.0])[-1], self.limits["most"][-1]
+        middle = (least + most) / 2 if least > 0 else 0.0  # of a gauge; else what is perfect
         return int(np.argmax(np.abs(self.values - middle)))
 
 
@@ -82,32 +84,87 @@ def rail(track: TrackData, name: str) -> Array:
 
 
 def measures(track: TrackData) -> list[Measure]:
-    """What 49 CFR 213.53, 213.55 and 213.63 limit on tangent track.
+    """What 49 CFR 213.53 to 213.63 limit; of what is limited elsewhere alone, values are 0.
 
-    Of the alignment the rail that keeps the higher class, and there the smaller offsets: either may
-    be the line rail. What a chord needs beyond the ends is not measured.
+    Of the alignment of straight track the rail that keeps the higher class, and there the smaller
+    offsets: either may be the line rail. In curves and transitions it is the outer one. What a
+    chord needs beyond the ends is not measured.
     """
-    stations, spacing = track.stations, track.spacing
+    stations = track.stations
     gauge = data()["gauge"]["nominal"]["value"] + track.values[CHANNELS.index("gauge")] / INCH
     level = track.values[CHANNELS.index("cross_level")] / INCH
-    found = [Measure("gauge", "", stations, gauge)]
-    for key in ("alignment", "profile"):
-        chord = law()[key]["chord"]["value"] * FOOT
-        pair = []
-        for side in SIDES:
-            values = offsets(rail(track, f"{side}_{key}"), spacing, chord) / INCH
-            margin = (len(stations) - len(values)) // 2
-            pair.append(Measure(key, side, stations[margin : margin + len(values)], values))
-        if key == "alignment":
-            pair.sort(key=lambda m: (-m.attained(), np.abs(m.values).max(initial=0.0)))
-            pair = pair[:1]
-        found += pair
+    turns = _turns(track)
+    straight, left = turns == 0, turns > 0
+    total = level if track.line is None else level + track.line[1] / INCH
+    either = [_offset(track, "alignment", f"{side}_alignment", side, straight) for side in SIDES]
+    either.sort(key=lambda m: (-m.attained(), np.abs(m.values).max(initial=0.0)))
+    found = [Measure("gauge", "", stations, gauge), either[0]]
+    if not straight.all():
+        for key in ("alignment_in_curves", "short_alignment_in_curves"):
+            for side, outer in zip(SIDES, (~left, left), strict=True):
+                if (own := ~straight & outer).any():
+                    found.append(_offset(track, key, f"{side}_alignment", side, own))
+        high = np.where(straight, 0.0, np.where(left, -total, total))
+        found.append(Measure("elevation", "", stations, high))
+    found += [_offset(track, "profile", f"{side}_profile", side) for side in SIDES]
     window = law()["warp"]["window"]["value"] * FOOT
     return [
         *[measure for measure in found if len(measure.values)],
-        Measure("cross_level", "", stations, level),
-        Measure("warp", "", stations, spread_within(level, spacing, window)),
+        Measure("cross_level", "", stations, np.where(straight, level, 0.0)),
+        Measure("warp", "", stations, spread_within(total, track.spacing, window)),
     ]
+
+
+def _offset(
+    track: TrackData, key: str, of_rail: str, side: str, where: Array | None = None
+) -> Measure:
+    """Mid-chord offsets of a rail, by the chord of a limit; 0 where they do not count."""
+    chord = law()[key]["chord"]["value"] * FOOT
+    values = offsets(rail(track, of_rail), track.spacing, chord) / INCH
+    margin = (len(track.stations) - len(values)) // 2
+    inside = slice(margin, margin + len(values))
+    if where is not None:
+        values = np.where(where[inside], values, 0.0)
+    return Measure(key, side, track.stations[inside], values)
+
+
+def _turns(track: TrackData) -> Array:
+    """1 where a curve or a transition bends to the left, -1 to the right, 0 straight."""
+    found, places = np.zeros(len(track.stations)), _sections(track)
+    for section in places:
+        last = math.inf if section is places[-1] else section.last
+        if section.kind != STRAIGHT:
+            inside = (track.stations >= section.first) & (track.stations <= last)
+            found[inside] = np.sign(section.curvature)
+    return found
+
+
+def _sections(track: TrackData) -> list[Section]:
+    return [] if track.line is None else sections(track.stations, *track.line)
+
+
+def curve_speeds(track: TrackData) -> pd.DataFrame:
+    """Each full curve and the speed that the law allows there to any vehicle, 213.57(b)."""
+    of_law = law()["curves"]
+    rows = []
+    for curve in curves(_sections(track)):
+        # the chord of 100 ft turns by D: R = 50 ft / sin(D/2)
+        degree = 2 * math.degrees(math.asin(min(50 * FOOT / curve.radius, 1.0)))
+        elevation = curve.cant / INCH
+        room = max(elevation + of_law["deficiency"]["value"], 0.0)
+        rows.append(
+            {
+                "curve": curve.direction,
+                "from [m]": curve.first,
+                "to [m]": curve.last,
+                "radius [m]": curve.radius,
+                "degree": degree,
+                "elevation [in]": elevation,
+                "speed [mph]": math.sqrt(room / (of_law["constant"] * degree)),
+                "paragraph": of_law["source"],
+            }
+        )
+    return pd.DataFrame(rows)
 
 
 def spread_within(values: Array, spacing: float, length: float) -> Array:
@@ -141,7 +198,7 @@ def table(found: list[Measure]) -> pd.DataFrame:
 
 
 def _range(measure: Measure, number: int) -> str:
-    most = f"{measure.limits['most'][number - 1]:g}"
+    most = f"{measure.limits['most'][number - 1]:g}".replace("inf", "none")
     return f"{measure.limits['least'][number - 1]:g} to {most}" if _two_sided(measure) else most
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -171,3 +172,39 @@ def test_inspect_writes_tables_and_pictures_and_speaks_json(tmp_path):
 def test_a_perfect_track_is_of_class_5_and_has_no_spectrum():
     found = inspect(track())
     assert found.title.endswith("FRA class 5") and "waves" not in found.tables
+
+
+def bent(curvature=1 / 500, cant=0.1, **channels):
+    """Straight for 300 m, then a curve to the left with these, without a transition."""
+    there = (STATIONS > 300) * 1.0
+    line = np.array([there * curvature, -there * cant])  # the right rail is high
+    return replace(track(**channels), line=line)
+
+
+def test_in_a_curve_the_outer_rail_is_measured_and_cant_is_no_cross_level():
+    size = 0.55 * INCH
+    found = federal.measures(bent(alignment=wave(size, 12.6)))
+    rails = {m.key: m.rail for m in found if "curves" in m.key}
+    assert rails == {"alignment_in_curves": "right", "short_alignment_in_curves": "right"}
+    of_key = {m.key: m for m in found}
+    short = of_key["short_alignment_in_curves"]
+    shown = (1 - np.cos(np.pi * 31 * FOOT / 12.6)) * size / INCH
+    assert np.abs(short.values).max() == pytest.approx(shown, rel=5e-3)
+    assert not short.values[short.stations < 290].any()
+    assert short.attained() == 4  # 0.94 in, of 1
+    assert of_key["cross_level"].attained() == 5
+    assert of_key["elevation"].values[-100:] == pytest.approx(np.full(100, 0.1 / INCH))
+
+
+def test_a_cant_of_no_curve_is_cross_level_and_reverse_elevation_is_an_excursion():
+    backwards = federal.measures(bent(cant=-2.5 * INCH))
+    of_key = {m.key: m for m in backwards}
+    assert of_key["elevation"].attained() == 1  # 2.5 in lower
+
+
+@pytest.mark.parametrize(("degree", "elevation", "speed"), [(1, 0, 65), (1, 6, 113), (4, 3, 46)])
+def test_speed_in_a_curve_is_that_of_the_laws_table(degree, elevation, speed):
+    """49 CFR 213, appendix A, table 1."""
+    radius = 50 * FOOT / np.sin(np.radians(degree / 2))
+    (found,) = federal.curve_speeds(bent(1 / radius, elevation * INCH)).to_dict("records")
+    assert round(found["speed [mph]"]) == speed and found["curve"] == "left"
