@@ -56,7 +56,7 @@ def law(measured: Sequence[Measure], made: int, asked: int) -> Figure:
     for ax, measure in zip(axes, measured, strict=True):
         ax.plot(*envelope(measure.stations, measure.values), color=BLUE)
         for number in shown:
-            for level in _levels(measure, number):
+            for level in filter(np.isfinite, _levels(measure, number)):
                 ax.axhline(level, color=INK if number == made else RED, linewidth=0.9,
                            linestyle="-" if number == made else (0, (5, 3)))  # fmt: skip
         described = measure.name.replace(", ", "\n")
