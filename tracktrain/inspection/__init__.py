@@ -23,7 +23,10 @@ __all__ = ["inspect"]
 MOST = 12
 """Excursions that are shown."""
 
-NOT_JUDGED = "not judged are runoff at the end of a raise, harmonics of staggered joints, operation beyond 5 in of cant deficiency, and classes 6 to 9 (subpart G)"
+NOT_JUDGED = (
+    "not judged are run-off at the end of a raise, harmonics of staggered joints, operation beyond "
+    "5 in of cant deficiency, and classes 6 to 9 (subpart G)"
+)
 RANGES = (
     "standard deviations are those of sections of {section:g} m, each rail's own; ranges and "
     "filter of EN 13848-1 are recalled, its text was not read"
