@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import casadi as ca
 
 from ..describe.block import Signals
-from ..describe.variables import Constant, Output
+from ..describe.ranges import read_range
+from ..describe.variables import Constant, Limit, Output
 from .block import SIDES, WheelRail, by_name
 from .columns import ELASTIC, KINEMATIC, LINEAR, Columns
 from .contact_table import ContactTable
@@ -33,6 +36,9 @@ _PER_WHEEL = {
     "contact_angle": ("rad", "Angle of the {} wheel's steepest contact to the track plane", 0.1),
     "climb": ("m", "Shift of the {} wheel beyond flange contact, up the flange", 1e-3),
 }
+
+
+RANGE = Path(__file__).with_name("range_profiled.toml")
 
 
 class ProfiledWheelRail(WheelRail):
@@ -70,6 +76,7 @@ class ProfiledWheelRail(WheelRail):
     ) -> None:
         self.geometry, self.name, self.poisson_ratio = geometry, name, poisson_ratio
         self.columns = Columns(geometry, poisson_ratio, small_angles)
+        self.limits = _limits(self.columns)
         self.description = f"Wheelset on two rails, profiles {geometry.name!r}: creep, flange"
 
     def constant(self, p: Signals, d: Signals) -> Signals:
@@ -177,3 +184,12 @@ class ProfiledWheelRail(WheelRail):
             [result(u, p, d, columns, common)],
             {"is_diff_in": [True, False, False]},  # none asks for derivatives by parameters
         )
+
+
+def _limits(columns: Columns) -> tuple[Limit, ...]:
+    """What the laws hold for; a flange as far as the table follows it up the rail."""
+    found = read_range(RANGE, ProfiledWheelRail.outputs) or ()
+    if columns.table.flange is None:
+        return found
+    end = float(columns.patches["flange"].over[-1])
+    return tuple(replace(r, largest=end) if r.name == "off_the_flange" else r for r in found)
