@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from fmus.truck.ports import ELEMENTS
 from fmus.truck.three_piece import GRAVITY
-from orchestrator import InlineModel, Value, describe
+from orchestrator import InlineModel, Run, Value, describe
 
 from ..car.hopper import parameters_of
 from ..options.car import car_option, fmu_option
@@ -112,7 +112,7 @@ def truck_hysteresis(
         step = float(np.clip(period / PER_CYCLE, *STEPS))
         run = run_on_rig(place, given, stand, 3 * period, step)
         completed(run, f"the {drive} loop at {load:g} kip")
-        cycles += _cycles(run.dataset, drive, load, period)
+        cycles += _cycles(run, drive, load, period)
         progress((done + 1) / len(plan))
     return Outcome(
         title=f"Truck hysteresis, {car}, wedge friction {wedge_law.replace('_', ' ')}",
@@ -173,6 +173,12 @@ def _stand(drive: str, values: Values, load: float, period: float) -> InlineMode
     rack = amplitude * values["half_wheelbase"] if drive == "warp" else 0.0
     moved = {"lateral": "y", "yaw": "yaw", "roll": "roll", "vertical": "z"}.get(drive)
 
+    axles = (1, 2)
+    ports = [
+        (sign, *(f"axle[{k}].{n}" for n in ("force_y", "moment_z", "y", "vy", "yaw", "wz")))
+        for k, sign in zip(axles, (1.0, -1.0), strict=True)
+    ]
+
     @lru_cache(maxsize=1)  # asked for twice at each communication point
     def moving(time: float) -> tuple[float, float, dict[str, float]]:
         grown, growth = _smoothstep(time / period, 1 / period)
@@ -185,22 +191,16 @@ def _stand(drive: str, values: Values, load: float, period: float) -> InlineMode
             motion[_RATE[moved]] += amplitude * slope
         return wave, slope, {f"car.{name}": value for name, value in motion.items()}
 
+    (k_y, c_y), (k_z, c_z) = GRIP["force_y"], GRIP["moment_z"]
+
     def law(time: float, u: Signals) -> dict[str, float]:
         wave, slope, motion = moving(time)
-        held = {}
-        for axle, sign in ((1, 1.0), (2, -1.0)):
-            stiffness, damping = GRIP["force_y"]
-            y, vy = u[f"axle[{axle}].y"], u[f"axle[{axle}].vy"]
-            held[f"axle[{axle}].force_y"] = stiffness * (sign * rack * wave - y) + damping * (
-                sign * rack * slope - vy
-            )
-            stiffness, damping = GRIP["moment_z"]
-            held[f"axle[{axle}].moment_z"] = (
-                -stiffness * u[f"axle[{axle}].yaw"] - damping * u[f"axle[{axle}].wz"]
-            )
-        return motion | held
+        held = motion.copy()
+        for sign, force, moment, y, vy, yaw, wz in ports:
+            held[force] = k_y * (sign * rack * wave - u[y]) + c_y * (sign * rack * slope - u[vy])
+            held[moment] = -k_z * u[yaw] - c_z * u[wz]
+        return held
 
-    axles = (1, 2)
     return rig(
         outputs=_CAR | {f"axle[{k}].{n}": u for k in axles for n, u in FORCES.items()},
         inputs={f"axle[{k}].{n}": u for k in axles for n, u in MOTION.items()},
@@ -270,9 +270,10 @@ def _name(element: int) -> str:
     return tuple(ELEMENTS)[element - 1]
 
 
-def _cycles(dataset: xr.Dataset, drive: str, load: float, period: float) -> Iterator[Cycle]:
+def _cycles(run: Run, drive: str, load: float, period: float) -> Iterator[Cycle]:
     """The loops of the third cycle."""
-    last = dataset.isel(time=slice(-round(period / float(dataset.time[1])) - 1, -1))
+    third = slice(-round(period / float(run.time[1])) - 1, -1)
+    last = {name: run.signals[name].values[third] for name in run.signals.data_vars}
     lateral = (last["unit.axle[1].y"] + last["unit.axle[2].y"]) / 2 + last["unit.q[5]"]
     strain = {
         1: lateral - last["rig.car.y"],
@@ -284,7 +285,7 @@ def _cycles(dataset: xr.Dataset, drive: str, load: float, period: float) -> Iter
     }
     for element in DRIVES[drive]:
         force = last[f"unit.spring[{element}]"] + last[f"unit.friction[{element}]"]
-        yield Cycle(element, load, period, strain[element].values, force.values)
+        yield Cycle(element, load, period, strain[element], force)
 
 
 def _dataset(cycles: Sequence[Cycle], car: str, wedge_law: str) -> xr.Dataset:
