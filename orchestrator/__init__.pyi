@@ -36,7 +36,7 @@ from .results.netcdf import RESULTS_NAME, ResultsFile
 from .results.provenance import Provenance
 from .results.reading import open_results
 from .results.run import Run
-from .results.signals import Response, Responses, Signals
+from .results.signals import Response, Responses, Signal, Signals, open_signals
 from .results.sink import Header, Sink
 from .results.stationary import (
     Estimate,
@@ -126,6 +126,7 @@ __all__ = [
     "Session",
     "Settings",
     "Settling",
+    "Signal",
     "Signals",
     "Sink",
     "State",
@@ -159,6 +160,7 @@ __all__ = [
     "open_archive",
     "open_fmu",
     "open_results",
+    "open_signals",
     "options_of_masters",
     "owned",
     "peak",

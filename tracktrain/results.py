@@ -30,13 +30,17 @@ def opened(folder: Path) -> xr.Dataset:
 
     Raises TracktrainError where there is none, orchestrator.DamageError where it is damaged.
     """
+    return orchestrator.open_results(_file(folder), cache=False)
+
+
+def _file(folder: Path) -> Path:
     path = folder if folder.is_file() else folder / RESULTS_NAME
     if not path.is_file():
         raise TracktrainError(
             f"there is no {RESULTS_NAME} in '{folder}'; name the folder that "
             "`tracktrain run --out` wrote"
         )
-    return orchestrator.open_results(path, cache=False)
+    return path
 
 
 def dataset_of(given: xr.Dataset | Run | Path | str) -> xr.Dataset:
@@ -44,6 +48,24 @@ def dataset_of(given: xr.Dataset | Run | Path | str) -> xr.Dataset:
     if isinstance(given, Run):
         return given.dataset
     return opened(Path(given)) if isinstance(given, Path | str) else given
+
+
+def responses_of(given: Responses | Run | Path | str) -> Responses:
+    """What a run, or the folder that it wrote, has by name, without xarray where it can be.
+
+    Raises as `opened`.
+    """
+    if isinstance(given, Run):
+        return given.signals
+    if not isinstance(given, Path | str):
+        return given
+    path = _file(Path(given))
+    try:
+        return orchestrator.open_signals(path)
+    except orchestrator.DamageError:
+        raise
+    except orchestrator.ResultsError:  # a NetCDF file of another program
+        return orchestrator.open_results(path, cache=False)
 
 
 def mean_speed(dataset: Responses) -> float | None:

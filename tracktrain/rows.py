@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator import Responses
+from orchestrator import Response, Responses, Signals
 
 BYTES = 2**25
 """Bytes of all columns of a chunk."""
+
+TOGETHER = 2**27
+"""Bytes of columns that are read in one pass."""
 
 
 def chunks(
@@ -28,3 +31,18 @@ def chunks(
     for first in range(0, dataset.sizes["time"], rows):
         part = slice(first, first + rows)
         yield first, {name: np.asarray(dataset[name].isel(time=part), float) for name in names}
+
+
+def together(dataset: Responses, names: Collection[str]) -> None:
+    """Have these variables read in one pass, and kept until others are asked for so."""
+    if isinstance(dataset, Signals):
+        dataset.together(names)
+
+
+def each(dataset: Responses, names: Sequence[str]) -> Iterator[tuple[str, Response]]:
+    """These variables one after the other, as many read in one pass as memory holds."""
+    count = max(TOGETHER // (8 * max(dataset.sizes["time"], 1)), 1)
+    for first in range(0, len(names), count):
+        together(dataset, names[first : first + count])
+        for name in names[first : first + count]:
+            yield name, dataset[name]

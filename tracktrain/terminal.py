@@ -102,6 +102,14 @@ def plain_grid() -> Table:
 
 
 @contextmanager
+def told(what: str) -> Iterator[None]:
+    """Say what is waited for: a sign that turns on a terminal, a line after a second elsewhere."""
+    console = Console(stderr=True)
+    with console.status(what) if console.is_terminal else announced(what):
+        yield
+
+
+@contextmanager
 def progress_bar(title: str, hidden: bool = False) -> Iterator[Progress]:
     """A bar on the terminal's error stream that a call moves; a line where that is no terminal."""
     console = Console(stderr=True)

@@ -10,9 +10,8 @@ import numpy as np
 from ..errors import DamageError, ResultsError
 from . import checksums
 from .classic import ClassicHeader, HeaderError, has_seal
+from .columns import blocks
 from .netcdf import RUN, STOPPED, UNFINISHED
-
-_BLOCK = 2**20  # bytes
 
 ADVICE = "take a copy that is whole, or run it again"
 
@@ -90,14 +89,13 @@ def _check(
 def _bad_rows(stream: BinaryIO, header: ClassicHeader, rows: int) -> list[int]:
     """Numbers of the rows, from 0 on, whose checksum is another."""
     stream.seek(header.first_row)
-    step = max(1, _BLOCK // (8 * header.width))
     bad: list[int] = []
-    for first in range(0, rows, step):
-        count = min(step, rows - first)
-        found = np.frombuffer(stream.read(8 * header.width * count), ">f8")
-        table = found.reshape(count, header.width).astype(np.float64)
-        sums = checksums.checksums(table[:, :-1], first)
-        bad += [first + int(n) for n in np.flatnonzero(sums != table[:, -1])]
+    room = np.empty((0, header.width))
+    for first, found in blocks(stream, header.width, rows):
+        room = np.empty(found.shape) if len(room) < len(found) else room[: len(found)]
+        room[:] = found
+        sums = checksums.checksums(room[:, :-1], first)
+        bad += [first + int(n) for n in np.flatnonzero(sums != room[:, -1])]
     return bad
 
 

@@ -23,7 +23,7 @@ _KEPT = np.uint64(11)  # a double holds 53 bits
 
 def checksums(rows: NDArray[np.float64], first: int) -> NDArray[np.float64]:
     """Of rows, shape (n, numbers), of which the first is that of this number from 0 on."""
-    words = np.ascontiguousarray(rows, np.float64).view(np.uint64)
+    words = np.asarray(rows, np.float64).view(np.uint64)
     weights = np.arange(1, 2 * words.shape[1] + 3, 2, dtype=np.uint64) * np.uint64(_GOLDEN)
     numbers = np.arange(first + 1, first + 1 + len(rows), dtype=np.uint64)
     sums = np.einsum("ij,j->i", words, weights[1:]) + numbers * weights[0]

@@ -6,7 +6,8 @@ size is read whole, once, and one that is larger is read in blocks for some colu
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import tempfile
+from collections.abc import Collection, Iterator, Mapping
 from functools import cached_property
 from typing import Any, BinaryIO
 
@@ -26,6 +27,9 @@ BESIDE, PARTS = 2**27, 2
 """Bytes of columns that are kept, and the parts of neighbours that they are read in: who reads a
 column often reads the next one, or comes back to some other."""
 
+GATHERED = 2**29
+"""Bytes of columns, read together because they were asked for together, that memory holds."""
+
 BLOCK = 2**20
 """Bytes that are read at a time."""
 
@@ -40,14 +44,40 @@ class Rows:
         self.count, self.width = header.rows, header.width
         self._held: tuple[tuple[int, int], Array] = (0, 0), np.empty((header.width, 0))
         self._parts: dict[tuple[int, int, int], Array] = {}
+        self._gathered: dict[int, Array] = {}
+
+    def gather(self, numbers: Collection[int]) -> None:
+        """Have these columns ready, read in one pass, until others are; of small files all are.
+
+        As many as `GATHERED` takes are kept in memory, all of more than that in a temporary file.
+        """
+        places = sorted(set(numbers))
+        if self._is_small or set(places) <= set(self._gathered):
+            return
+        self._gathered = {}
+        shape = len(places), self.count
+        if 8 * self.count * len(places) <= GATHERED:
+            found: Array = np.empty(shape)
+        else:
+            with tempfile.TemporaryFile() as stream:  # which lasts as long as the map
+                found = np.memmap(stream, np.float64, "w+", shape=shape)
+        for place, rows in self._blocks(0, self.count):
+            found[:, place : place + len(rows)] = rows[:, places].T
+        self._gathered = dict(zip(places, found, strict=True))
 
     def column(self, number: int, first: int, last: int) -> Array:
         """The values of a variable from a row to the one before the last, by its number."""
-        if 8 * self.count * self.width <= WHOLE:
+        if self._is_small:
             return self._whole[number, first:last]
+        if number in self._gathered:
+            return self._gathered[number][first:last]
         if 8 * max(last - first, 0) * self.width <= HELD:
             return self._held_rows(first, last)[number]
         return self._beside(number, first, last)
+
+    @property
+    def _is_small(self) -> bool:
+        return 8 * self.count * self.width <= WHOLE
 
     @cached_property
     def _whole(self) -> Array:
@@ -83,12 +113,24 @@ class Rows:
         return found
 
     def _blocks(self, first: int, last: int) -> Iterator[tuple[int, NDArray[np.float64]]]:
-        """Rows as they are stored, with the number of their first one."""
-        size, step = 8 * self.width, max(1, BLOCK // (8 * self.width))
-        for place in range(first, last, step):
-            self._stream.seek(self._first + size * place)
-            rows = np.frombuffer(self._stream.read(size * min(step, last - place)), ">f8")
-            yield place, rows.reshape(-1, self.width)
+        """Rows as they are stored, with the number of their first one, until the next are taken."""
+        self._stream.seek(self._first + 8 * self.width * first)
+        for place, rows in blocks(self._stream, self.width, last - first):
+            yield first + place, rows
+
+
+def blocks(stream: BinaryIO, width: int, count: int) -> Iterator[tuple[int, NDArray[np.float64]]]:
+    """So many rows from where a stream stands, some at a time, each with the number of the first.
+
+    They stand in the same memory, one after the other: pages that are new for each take longer to
+    get than to fill.
+    """
+    step = max(1, BLOCK // (8 * width))
+    room = np.empty((min(step, max(count, 0)), width), ">f8")
+    for place in range(0, count, step):
+        rows = room[: min(step, count - place)]
+        read = stream.readinto(rows.data.cast("B"))  # type: ignore[attr-defined]
+        yield place, rows[: read // (8 * width)]
 
 
 def content(

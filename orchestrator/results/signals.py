@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol, Self
 
@@ -56,7 +55,7 @@ class Responses(Protocol):
 
 @dataclass(frozen=True)
 class Signal:
-    """One variable of `Signals`; values are read when they are asked for.
+    """One variable of `Signals`; values are read each time that they are asked for.
 
     read: gives the values of a stretch of rows.
     """
@@ -66,7 +65,14 @@ class Signal:
     rows: range
     time: Signal | None = None
 
-    @cached_property
+    @classmethod
+    def of(cls, values: Array, time: Array) -> Signal:
+        """Of values at times [s]."""
+        rows = range(len(values))
+        times = cls(lambda own: time[own.start : own.stop], {}, rows)
+        return cls(lambda own: values[own.start : own.stop], {}, rows, times)
+
+    @property
     def values(self) -> Array:
         return self.read(self.rows)
 
@@ -84,30 +90,24 @@ class Signal:
         return self.isel(time=key)
 
     def __abs__(self) -> Self:
-        rows = self.rows
-        return type(self)(
-            lambda own: np.abs(self.values[own.start - rows.start : own.stop - rows.start]),
-            self.attrs,
-            rows,
-            self.time,
-        )
+        return type(self)(lambda own: np.abs(self.read(own)), self.attrs, self.rows, self.time)
 
     def isel(self, *, time: slice) -> Self:
         """These rows on end."""
         own = self.time.isel(time=time) if self.time else None
-        known = self.__dict__.get("values")
-        found = type(self)(self.read, self.attrs, self.rows[time], own)
-        if known is not None:
-            found.__dict__["values"] = known[time]
-        return found
+        return type(self)(self.read, self.attrs, self.rows[time], own)
 
 
 @dataclass(frozen=True)
 class Signals:
-    """The variables of a run. columns: one of each, `time` among them."""
+    """The variables of a run. columns: one of each, `time` among them.
+
+    gather: has columns ready by their numbers, read together.
+    """
 
     columns: Mapping[str, Signal]
     attrs: Mapping[str, Any]
+    gather: Callable[[Collection[int]], None] = lambda _: None
 
     @classmethod
     def of_rows(
@@ -116,6 +116,7 @@ class Signals:
         count: int,
         variables: Mapping[str, Mapping[str, Any]],
         attributes: Mapping[str, Any],
+        gather: Callable[[Collection[int]], None] = lambda _: None,
     ) -> Signals:
         """Of rows whose first number is the time.
 
@@ -129,14 +130,21 @@ class Signals:
                 range(count),
                 columns.get(TIME),
             )
-        return cls(columns, attributes)
+        return cls(columns, attributes, gather)
 
     @classmethod
     def of_file(cls, path: Path) -> Signals:
         """Of results.nc, whose rows need no check; raises OSError, HeaderError."""
         stream = path.open("rb")  # what was opened is read, whatever takes its place
         rows, variables, attributes = content(stream)
-        return cls.of_rows(rows.column, rows.count, variables, attributes)
+        return cls.of_rows(rows.column, rows.count, variables, attributes, rows.gather)
+
+    def together(self, names: Collection[str]) -> None:
+        """Have these variables ready, and no others, in one pass through a large file.
+
+        Else each of them takes a pass of its own. What there is not is left out.
+        """
+        self.gather([number for number, name in enumerate(self.columns) if name in names])
 
     @property
     def data_vars(self) -> Collection[str]:
@@ -159,7 +167,7 @@ class Signals:
     def isel(self, *, time: slice) -> Self:
         """The same of these rows on end."""
         left = {name: column.isel(time=time) for name, column in self.columns.items()}
-        return type(self)(left, self.attrs)
+        return type(self)(left, self.attrs, self.gather)
 
 
 def open_signals(place: Path | str) -> Signals:

@@ -8,11 +8,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pandas as pd
-import xarray as xr
 
-from orchestrator import Run
+from orchestrator import Responses, Run
 
-from ..results import dataset_of
+from ..results import responses_of
 from .car import Car
 from .curving import LIMITS, MEASURES
 from .rules import ForeignError, NotApplicableError, Rule, from_si, rules
@@ -26,7 +25,7 @@ COLUMNS = (
 NOTHING = {"place": "", "value": float("nan"), "limit": float("nan"), "share": float("nan")}
 
 
-def assess(run: xr.Dataset | Run | Path | str) -> pd.DataFrame:
+def assess(run: Responses | Run | Path | str) -> pd.DataFrame:
     """What each rule of limits.toml says about a run, indexed by quantity.
 
     Rules about what the run's system does not have are left out: all of them, where it is no car.
@@ -39,7 +38,7 @@ def assess(run: xr.Dataset | Run | Path | str) -> pd.DataFrame:
     source, verified (whether the limit was read there), quote.
     """
     try:
-        car: Car | NotApplicableError = Car(dataset_of(run))
+        car: Car | NotApplicableError = Car(responses_of(run))
     except NotApplicableError as reason:
         car = reason
     rows = [row for rule in rules() if (row := _row(car, rule)) is not None]

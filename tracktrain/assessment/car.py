@@ -6,15 +6,15 @@ from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 from scipy import signal
 
-from orchestrator import Provenance, dominant_frequency
+from orchestrator import Provenance, Responses, Signal, dominant_frequency
 
 from ..car.hopper import layout_of
-from ..car.layout import Axle, Truck
+from ..car.layout import SIDES, Axle, Truck
 from ..geometry.sections import Section, curves, sections
+from ..rows import together
 from . import windows
 from .rules import Band, ForeignError, NotApplicableError, Rule, parameter
 
@@ -39,7 +39,7 @@ class Car:
     Where the system has no such instance, it is a ForeignError.
     """
 
-    def __init__(self, dataset: xr.Dataset) -> None:
+    def __init__(self, dataset: Responses) -> None:
         self._dataset, self.layout = dataset, layout_of(dataset)
         said = Provenance.of(dataset)
         outputs = {str(name).partition(".")[0] for name in dataset.data_vars}
@@ -50,8 +50,24 @@ class Car:
         if len(self.time) < 2:
             raise NotApplicableError("the run has no more than one row")
         self.rate = (len(self.time) - 1) / float(self.time[-1] - self.time[0])
+        together(dataset, self._looked_at)
         self._parameters = said.parameters
         self._moved: list[bool] = []
+
+    @property
+    def _looked_at(self) -> set[str]:
+        """What the rules look at, if the run has it."""
+        layout, sides = self.layout, [(a, side) for a in self.layout.axles for side in SIDES]
+        bodies = [f"{layout.carbody}.cg", *map(layout.plate, layout.trucks)]
+        return {
+            layout.distance,
+            *(f"{axle.wheelset}.{side}.l_over_v" for axle, side in sides),
+            *(f"{axle.port}.load_{side}" for axle, side in sides),
+            *(f"{axle.wheelset}.force_y" for axle in layout.axles),
+            *(f"{axle.port}.vy" for axle in layout.axles),
+            *(f"{body}.{name}" for body in bodies for name in ("ay", "az")),
+            f"{layout.carbody}.cg.roll",
+        }
 
     def __getitem__(self, name: str) -> Array:
         values = self._read(name)
@@ -252,7 +268,7 @@ class Car:
         return said
 
     def _dominant(self, values: Array) -> float:
-        found = dominant_frequency(xr.DataArray(values, {"time": self.time}, ["time"]))
+        found = dominant_frequency(Signal.of(values, self.time))
         if np.isnan(found):
             raise NotApplicableError("nothing moves")
         return found

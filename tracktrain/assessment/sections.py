@@ -11,14 +11,13 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
-from orchestrator import Run
+from orchestrator import Responses, Run
 
 from ..car.layout import SIDES
 from ..geometry.layout import CURVE, STRAIGHT
 from ..geometry.sections import Section, sections
-from ..results import dataset_of
+from ..results import responses_of
 from . import windows
 from .car import Array, Car
 from .criteria import LIMITS
@@ -50,14 +49,14 @@ class Part:
     outer: str
 
 
-def by_sections(run: xr.Dataset | Run | Path | str) -> pd.DataFrame:
+def by_sections(run: Responses | Run | Path | str) -> pd.DataFrame:
     """Each quantity of EN 14363 in each kind of track that the run has a section of.
 
     Columns: zone, quantity, place (the worst), sections, wanted, mean, deviation, factor, estimate,
     limit, unit, share, source, verified. Of a single section there is no deviation, and the
     estimate is its value. Raises NotApplicableError for a run that is no car's.
     """
-    car = Car(dataset_of(run))
+    car = Car(responses_of(run))
     given = {rule.key: rule for rule in rules()}
     cut = parts(line(car))
     rows = []

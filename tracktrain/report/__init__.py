@@ -10,16 +10,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import xarray as xr
-
-from orchestrator import Provenance, Run
+from orchestrator import Provenance, Responses, Run
 
 from ..answer import parts
 from ..assessment import assess
 from ..car import curving, slip
 from ..errors import TracktrainError
 from ..events import nadal_rule
-from ..results import Bond, dataset_of
+from ..results import Bond, responses_of
 from . import content, motion, series, system
 from .packing import packed
 from .rendering import rendered
@@ -30,7 +28,7 @@ SCRIPTS = ("common.js", "data.js", "scene.js", "player.js", "chart.js", "plots.j
 
 
 def write_report(
-    run: xr.Dataset | Run | Path | str, folder: Path | str, bonds: Sequence[Bond] | None = None
+    run: Responses | Run | Path | str, folder: Path | str, bonds: Sequence[Bond] | None = None
 ) -> Path:
     """Write report.html into a folder and return it.
 
@@ -38,11 +36,11 @@ def write_report(
     gives it. Raises TracktrainError for a run without two rows.
     """
     path = Path(folder) / NAME
-    path.write_text(page(dataset_of(run), bonds), encoding="utf-8")
+    path.write_text(page(responses_of(run), bonds), encoding="utf-8")
     return path
 
 
-def page(dataset: xr.Dataset, bonds: Sequence[Bond] | None = None) -> str:
+def page(dataset: Responses, bonds: Sequence[Bond] | None = None) -> str:
     """The text of the page."""
     if dataset.sizes.get("time", 0) < 2 or not dataset.data_vars:
         raise TracktrainError("the run has no two rows of any signal; there is nothing to report")
@@ -72,7 +70,7 @@ def page(dataset: xr.Dataset, bonds: Sequence[Bond] | None = None) -> str:
     )
 
 
-def _data(dataset: xr.Dataset) -> tuple[str, str, int]:
+def _data(dataset: Responses) -> tuple[str, str, int]:
     """What the scripts know of the run: JSON, and the arrays that it indexes; rows of a bin."""
     said, arrays, width = series.signals(dataset)
     known: dict[str, Any] = {

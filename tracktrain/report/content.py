@@ -8,16 +8,16 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
 from fmus.catalogue import parameter_units
 from fmus.describe.parameters import PARAMETER_SETS, Entry, parameter_set
-from orchestrator import Provenance
+from orchestrator import Provenance, Responses
 
 from ..assessment import EXCEEDED, PASSED
 from ..car.hopper import layout_of
 from ..events import Event, events, gravest
 from ..results import RELATIVE, Bond, mean_speed
+from ..rows import each
 from ..scales import FOOT, MILE_PER_HOUR, three_digits
 from .system import titled
 
@@ -32,19 +32,19 @@ class Fact:
     tone: str = ""
 
 
-def title(dataset: xr.Dataset) -> str:
+def title(dataset: Responses) -> str:
     """What was run, in a line."""
     if not is_car(dataset):
         return titled(dataset)
     return "Hopper car on irregular track" if _moves(dataset) else "Hopper car on perfect track"
 
 
-def is_car(dataset: xr.Dataset) -> bool:
+def is_car(dataset: Responses) -> bool:
     """Whether the run's system has all instances of a car."""
     return layout_of(dataset).blocks.keys() <= Provenance.of(dataset).fmus.keys()
 
 
-def facts(dataset: xr.Dataset, table: pd.DataFrame, bonds: Sequence[Bond] | None) -> list[Fact]:
+def facts(dataset: Responses, table: pd.DataFrame, bonds: Sequence[Bond] | None) -> list[Fact]:
     """The numbers at the top."""
     time = dataset["time"].values
     found = []
@@ -81,12 +81,12 @@ MOST_EVENTS = 100
 """Events that a page lists and marks."""
 
 
-def happened(dataset: xr.Dataset) -> list[Event]:
+def happened(dataset: Responses) -> list[Event]:
     """The gravest events."""
     return gravest(events(dataset))[:MOST_EVENTS]
 
 
-def parameters(dataset: xr.Dataset) -> list[dict[str, Any]]:
+def parameters(dataset: Responses) -> list[dict[str, Any]]:
     """Instance, name, value [SI], and of numbers out of the parameter files unit, basis, source."""
     blocks = layout_of(dataset).blocks
     rows = []
@@ -106,7 +106,7 @@ def parameters(dataset: xr.Dataset) -> list[dict[str, Any]]:
     return rows
 
 
-def fmus(dataset: xr.Dataset) -> list[tuple[str, str, str]]:
+def fmus(dataset: Responses) -> list[tuple[str, str, str]]:
     """Instance, file and sha256 of every FMU."""
     return [
         (name, str(given.get("file", "")), str(given.get("sha256", "")))
@@ -114,9 +114,9 @@ def fmus(dataset: xr.Dataset) -> list[tuple[str, str, str]]:
     ]
 
 
-def _moves(dataset: xr.Dataset) -> bool:
-    rails = [v for name, v in dataset.data_vars.items() if ".rail_" in str(name)]
-    return any(bool(np.any(rail.values)) for rail in rails)
+def _moves(dataset: Responses) -> bool:
+    rails = [str(name) for name in dataset.data_vars if ".rail_" in str(name)]
+    return any(bool(np.any(rail.values)) for _, rail in each(dataset, rails))
 
 
 def _entry(block: str | None, name: str, value: object) -> tuple[Entry | None, bool]:

@@ -6,11 +6,11 @@ from math import pi
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from fmus.carbody.default_data import default_data, is_outline, outlined
 from fmus.carbody.modal_data import ModalData
+from orchestrator import Responses
 
 from ..answer.standing import given_parameters, linear_of
 from ..car.carbody import carbody_of
@@ -18,6 +18,7 @@ from ..car.hopper import layout_of
 from ..car.modes import name_of
 from ..car.shapes import RIGID, unit_motions
 from ..results import mean_speed
+from ..rows import together
 
 Array = NDArray[np.float64]
 RATE, FRAMES = 100.0, 6000
@@ -27,7 +28,7 @@ HIGHEST = 20.0
 """Frequency of the modes that are shown, at most [Hz]."""
 
 
-def scene(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Array]] | None:
+def scene(dataset: Responses) -> tuple[dict[str, Any], dict[str, Array]] | None:
     """What is drawn and how it moves, and the arrays of it; None for a run that is no hopper car.
 
     Arrays: points (points, 3) [m], motions (coordinates, points, 3), coordinates (frames,
@@ -43,6 +44,7 @@ def scene(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Array]] | None
     coordinates, rails = layout.coordinates(RIGID + len(body.modes)), layout.rails.values()
     if any(name not in dataset for name in (*coordinates, *rails, layout.distance)):
         return None
+    together(dataset, [*coordinates, *rails, layout.distance])
     time = dataset["time"].values
     count = int(min(max((time[-1] - time[0]) * RATE + 1, 2), FRAMES))
     frames = np.linspace(time[0], time[-1], count)
@@ -69,7 +71,7 @@ def scene(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Array]] | None
     }
 
 
-def modes(dataset: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, Array]] | None:
+def modes(dataset: Responses) -> tuple[list[dict[str, Any]], dict[str, Array]] | None:
     """Name, frequency [Hz] and damping ratio of the car's linear modes at the run's speed.
 
     The array `modes` (modes, 2, coordinates) has the real and imaginary parts of their shapes. None
@@ -96,7 +98,7 @@ def modes(dataset: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, Array]] 
     return found, {"modes": np.stack([chosen.real, chosen.imag], axis=1)}
 
 
-def _body(dataset: xr.Dataset) -> ModalData:
+def _body(dataset: Responses) -> ModalData:
     """What is drawn of the carbody; raises KeyError where the run does not have its parameters."""
     data = carbody_of(dataset)
     if data is not None:

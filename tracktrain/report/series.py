@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 from scipy.signal import welch
 
+from orchestrator import Responses
+
 from ..car.hopper import layout_of
 from ..quantities import shown_unit
+from ..rows import each
 from .packing import envelope, envelope_time
 
 Array = NDArray[np.float64]
@@ -25,7 +27,7 @@ SEGMENTS = 4
 """Parts of the run that a spectrum is averaged over, overlapping by half, one more than twice."""
 
 
-def signals(dataset: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, Array], int]:
+def signals(dataset: Responses) -> tuple[list[dict[str, Any]], dict[str, Array], int]:
     """Every signal: what it is, arrays of it, and how many rows two points of a curve stand for.
 
     Arrays: time (points), signals (signals, points), frequency [Hz] (lines), density (signals,
@@ -35,9 +37,9 @@ def signals(dataset: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, Array]
     width = max(int(np.ceil(2 * len(time) / POINTS)), 3) if len(time) > POINTS else 1
     rate = (len(time) - 1) / float(time[-1] - time[0])
     said, curves, densities, frequency = [], [], [], np.empty(0)
-    for name, variable in dataset.data_vars.items():
+    for name, variable in each(dataset, [str(name) for name in dataset.data_vars]):
         values = np.asarray(variable.values, dtype=float)
-        said.append(_described(str(name), variable.attrs, values))
+        said.append(_described(name, variable.attrs, values))
         curves.append(envelope(values, width))
         frequency, density = spectrum(values, rate)
         densities.append(density)
@@ -50,7 +52,7 @@ def signals(dataset: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, Array]
     return said, arrays, width
 
 
-def first(dataset: xr.Dataset) -> list[str]:
+def first(dataset: Responses) -> list[str]:
     """The signals that a page shows before others are picked."""
     layout = layout_of(dataset)
     shown = [layout.quantities[name].variable for name in ("force", "displacement")]

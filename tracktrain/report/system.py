@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from io import BytesIO
 
 import numpy as np
-import xarray as xr
 
-from orchestrator import CouplingError, Provenance
+from orchestrator import CouplingError, Provenance, Response, Responses
 
 from ..quantities import shown_unit
 from ..scales import three_digits
@@ -43,7 +42,7 @@ class Made:
     more: int
 
 
-def made(dataset: xr.Dataset) -> Made:
+def made(dataset: Responses) -> Made:
     """Diagram, connections and signals of a run's system; more: signals that are not listed."""
     said = Provenance.of(dataset)
     boxes = {name: str(given.get("file", "")) for name, given in said.fmus.items()}
@@ -52,7 +51,7 @@ def made(dataset: xr.Dataset) -> Made:
     return Made(_picture(boxes, said.connections), said.connections, signals, len(names[ROWS:]))
 
 
-def titled(dataset: xr.Dataset) -> str:
+def titled(dataset: Responses) -> str:
     """The system by its instances, or by their number."""
     names = list(Provenance.of(dataset).fmus)
     if not names:
@@ -63,7 +62,7 @@ def titled(dataset: xr.Dataset) -> str:
     return f"Run of {', '.join(others)} and {last}" if others else f"Run of {last}"
 
 
-def moving(dataset: xr.Dataset, most: int = 4) -> list[str]:
+def moving(dataset: Responses, most: int = 4) -> list[str]:
     """The first signals that move."""
     found: list[str] = []
     for name in dataset.data_vars:
@@ -88,7 +87,7 @@ def _picture(boxes: dict[str, str], connections: list[tuple[str, str]]) -> str:
     return base64.b64encode(content.getvalue()).decode("ascii")
 
 
-def _signal(name: str, variable: xr.DataArray) -> Signal:
+def _signal(name: str, variable: Response) -> Signal:
     values = np.asarray(variable.values, float)
     largest = float(np.abs(values).max(initial=0.0))
     unit, factor = shown_unit(str(variable.attrs.get("units", "1")), largest)

@@ -174,10 +174,8 @@ def _stand(drive: str, values: Values, load: float, period: float) -> InlineMode
     moved = {"lateral": "y", "yaw": "yaw", "roll": "roll", "vertical": "z"}.get(drive)
 
     axles = (1, 2)
-    ports = [
-        (sign, *(f"axle[{k}].{n}" for n in ("force_y", "moment_z", "y", "vy", "yaw", "wz")))
-        for k, sign in zip(axles, (1.0, -1.0), strict=True)
-    ]
+    held_ports = ("force_y", "moment_z", "y", "vy", "yaw", "wz")
+    names = [[f"axle[{k}].{n}" for n in held_ports] for k in axles]
 
     @lru_cache(maxsize=1)  # asked for twice at each communication point
     def moving(time: float) -> tuple[float, float, dict[str, float]]:
@@ -196,7 +194,7 @@ def _stand(drive: str, values: Values, load: float, period: float) -> InlineMode
     def law(time: float, u: Signals) -> dict[str, float]:
         wave, slope, motion = moving(time)
         held = motion.copy()
-        for sign, force, moment, y, vy, yaw, wz in ports:
+        for sign, (force, moment, y, vy, yaw, wz) in zip((1.0, -1.0), names, strict=True):
             held[force] = k_y * (sign * rack * wave - u[y]) + c_y * (sign * rack * slope - u[vy])
             held[moment] = -k_z * u[yaw] - c_z * u[wz]
         return held

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from orchestrator import OrchestratorError, open_results, simulate
+from orchestrator import OrchestratorError, open_results, open_signals, simulate
 from orchestrator.compiled import compiler
 from orchestrator.compiled.entries import macro_loop
 from orchestrator.masters.base import all_masters
@@ -68,6 +68,26 @@ def test_columns_of_a_large_file_are_those_of_a_small_one_and_cost_few_passes(
             for name in whole:
                 assert np.array_equal(large[name].values, whole[name].values), name
         assert len(passes) < 2 * len(whole)
+
+
+@pytest.mark.parametrize("in_memory", [True, False])
+def test_columns_that_are_asked_for_together_cost_one_pass(tmp_path, monkeypatch, in_memory):
+    whole = simulate(oscillator(), duration=1.0, step=0.01, out=tmp_path).dataset.load()
+    passes = []
+    blocks = columns.Rows._blocks
+    monkeypatch.setattr(columns, "WHOLE", 0)
+    monkeypatch.setattr(columns, "HELD", 0)
+    monkeypatch.setattr(columns, "BLOCK", 1000)
+    monkeypatch.setattr(columns, "GATHERED", 2**20 if in_memory else 0)
+    monkeypatch.setattr(columns.Rows, "_blocks", lambda *a: passes.append(a) or blocks(*a))
+    large = open_signals(tmp_path)
+    large.together([*whole, "of nobody"])
+    for name in [*whole, *whole]:
+        assert np.array_equal(large[name].values, whole[name].values), name
+    assert np.array_equal(large["one.x"].isel(time=slice(7, 9)).values, whole["one.x"].values[7:9])
+    assert len(passes) == 1
+    large.together(["one.v"])
+    assert np.array_equal(large["one.x"].values, whole["one.x"].values)
 
 
 def test_window_that_is_too_small_says_how_much_is_needed(tmp_path):

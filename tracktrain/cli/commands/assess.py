@@ -45,15 +45,16 @@ def command(folder: Path, sections: bool, as_json: bool, quiet: bool) -> None:
     from ...assessment import assess as assessed
     from ...assessment.sections import by_sections
     from ...events import events
-    from ...results import opened
-    from ...terminal import print_whole, printable
+    from ...results import responses_of
+    from ...terminal import print_whole, printable, told
     from ..events import print_events, write_events
 
-    dataset = opened(folder)
-    table, found = assessed(dataset), events(dataset)
+    with told("assessing"):
+        run = responses_of(folder)
+        table, found = assessed(run), events(run)
+        cut = by_sections(run) if sections else None
     table.to_csv(folder / ASSESSMENT)
     write_events(found, folder)
-    cut = by_sections(dataset) if sections else None
     if cut is not None:
         cut.to_csv(folder / SECTIONS, index=False)
     if as_json:

@@ -21,7 +21,9 @@ def command(folder: Path) -> None:
     modes, and what was run by what. `tracktrain run --report` writes it at once.
     """
     from ...report import write_report
-    from ...results import opened, read_bonds
+    from ...results import read_bonds
+    from ...terminal import told
 
-    path = write_report(opened(folder), folder, read_bonds(folder))
+    with told("writing the page"):
+        path = write_report(folder, folder, read_bonds(folder))
     click.echo(f"{path}  {path.stat().st_size / 1e6:.1f} MB")

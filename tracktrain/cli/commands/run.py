@@ -237,7 +237,7 @@ def _print_schema(ctx: click.Context) -> None:
 def _write(result: Run, folder: Path, csv: bool, page: bool) -> list[str]:
     """Write what is made of results.nc, and say what could not be."""
     from ... import plots
-    from ...results import opened, read_bonds, write_bonds
+    from ...results import read_bonds, write_bonds
 
     try:
         write_bonds(result, folder)
@@ -245,7 +245,7 @@ def _write(result: Run, folder: Path, csv: bool, page: bool) -> list[str]:
         if page:
             from ...report import write_report
 
-            write_report(opened(folder), folder, read_bonds(folder))
+            write_report(result, folder, read_bonds(folder))
         if csv:
             result.write_csv(folder)
     except OSError as error:
