@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import re
 import struct
 import sysconfig
 import traceback
@@ -27,6 +28,9 @@ _NUMBER, _DOUBLE = struct.Struct("I"), struct.Struct("d")
 
 _ANSWERS = 1000
 """Answers of constant gains that are kept: masters ask with few seeds, each of them often."""
+
+SHARE, LEAST = 6e-6, 0.02
+"""A step of a central difference: its share of the input, and the least that counts of that."""
 
 _LIBRARIES = tuple(dict.fromkeys(map(sysconfig.get_path, ("stdlib", "platlib", "purelib"))))
 """Folders of what is not the user's own."""
@@ -60,6 +64,41 @@ class InlineModel:
     output: Callable[..., Signals] = lambda x, u, p: {}
     directional: Callable[..., Signals] | None = None
     gains: Mapping[str, Signals] | None = None
+
+    @classmethod
+    def of(
+        cls,
+        law: Callable[..., float | Signals],
+        inputs: Mapping[str, str],
+        outputs: Mapping[str, str],
+        **start: float,
+    ) -> InlineModel:
+        """A function of inputs at the same instant: no state, and its derivatives by differences.
+
+        InlineModel.of(lambda x, v: -4e3 * x - 20.0 * v, {"x": "m", "v": "m/s"}, {"force": "N"})
+
+        law: takes inputs and parameters by their names, and gives the output or, of several, a
+        mapping. inputs, outputs: units by name; a name with a dot has `_` for it in the law.
+        start: parameters, and inputs that do not start at 0.
+        """
+        spelled = {name: re.sub(r"\W+", "_", name).strip("_") for name in (*inputs, *start)}
+
+        def output(_: Any, u: Signals, p: Signals) -> Signals:
+            given = {spelled[name]: value for name, value in (*p.items(), *u.items())}
+            found = law(**given)
+            return found if isinstance(found, Mapping) else dict.fromkeys(outputs, found)
+
+        def directional(x: Any, u: Signals, p: Signals, seed: Signals) -> Signals:
+            size = max(map(abs, seed.values()), default=0.0) or 1.0
+            step = SHARE * max(LEAST, *(abs(u[n]) for n, part in seed.items() if part), 0.0) / size
+            high, low = (
+                output(x, {n: value + way * seed[n] for n, value in u.items()}, p)
+                for way in (step, -step)
+            )
+            return {name: (high[name] - low[name]) / (2.0 * step) for name in outputs}
+
+        depends = dict.fromkeys(outputs, tuple(inputs))
+        return cls(outputs, inputs, start, depends, output=output, directional=directional)
 
     @property
     def description(self) -> Description:
