@@ -6,11 +6,12 @@ from functools import cache
 
 import casadi as ca
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, PPoly
 
 from ..describe.block import Signals
+from ..describe.experiment import Table as Columns
 from ..describe.terminals import FRAME, Terminal
-from ..describe.variables import FRAME_INPUTS, Output, Parameter
+from ..describe.variables import FRAME_INPUTS, Output, Parameter, Values
 from .block import AXLES, Rails
 from .recorded import RecordedTrack
 from .recorded_data import TrackData
@@ -80,6 +81,34 @@ class LaidTrack(RecordedTrack):
             len(AXLES) + 1,
         )
 
+    def known(self, values: Values) -> Columns:
+        """As the splines have it; of the line its own outputs, and what it does to the rails."""
+        results = super().known(values)
+        (curvature, place, cant), speed = _splines(self.data), results["speed_out"]
+        truck, axle = values["half_truck_spacing"], values["half_wheelbase"]
+        places = np.array([truck + axle, truck - axle, axle - truck, -truck - axle])
+        at = [np.maximum(results["distance"] + x - places[0], 0.0) for x in (*places, 0.0)]
+        behind = [
+            results["distance"] + x - places[0] - s for x, s in zip((*places, 0), at, strict=True)
+        ]
+        on = behind[-1] == 0
+        results["curvature"] = on * curvature(at[-1])
+        results["cant"] = cant(at[-1])
+        sine = results["cant"] / (2 * values["half_contact_spacing"])
+        press = -(speed**2) * results["curvature"] * sine - GRAVITY * (1 - np.sqrt(1 - sine**2))
+        heading = place(at[-1], 1)
+        middle = place(at[-1]) + heading * behind[-1]
+        for i, x in enumerate(places):
+            aside = place(at[i]) + place(at[i], 1) * behind[i] - middle - x * heading
+            for side, sign in (("left", 0.5), ("right", -0.5)):
+                rail = f"axle[{i + 1}].rail"
+                results[f"{rail}_y_{side}"] = results[f"{rail}_y_{side}"] + aside
+                rise = sign * (cant(at[i]) - results["cant"])
+                results[f"{rail}_z_{side}"] = results[f"{rail}_z_{side}"] + rise
+                twist = sign * speed**2 * cant(at[i], 2) * (behind[i] == 0)
+                results[f"{rail}_az_{side}"] = results[f"{rail}_az_{side}"] + twist + press
+        return results
+
     def places(self, p: Signals) -> ca.SX:
         """Of the four axles and of the car's middle, ahead of the middle [m]."""
         truck, axle = p["half_truck_spacing"], p["half_wheelbase"]
@@ -131,13 +160,18 @@ class LaidTrack(RecordedTrack):
         return y
 
 
-def _line(data: TrackData) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Values and slopes of `ROWS` at the stations, (14)."""
+def _splines(data: TrackData) -> tuple[PPoly, PPoly, PPoly]:
+    """`ROWS` over the distance from the first station, (14)."""
     assert data.line is not None
     nodes = data.stations - data.first
     curvature, cant = CubicSpline(nodes, data.line[0]), CubicSpline(nodes, data.line[1])
-    place = curvature.antiderivative(2)
-    return [(f(nodes), f(nodes, 1)) for f in (curvature, place, cant)]
+    return curvature, curvature.antiderivative(2), cant
+
+
+def _line(data: TrackData) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Values and slopes of `ROWS` at the stations."""
+    nodes = data.stations - data.first
+    return [(f(nodes), f(nodes, 1)) for f in _splines(data)]
 
 
 @cache

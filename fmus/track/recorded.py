@@ -72,6 +72,10 @@ class RecordedTrack(Rails):
             ),
         )
 
+    def known(self, values: Values) -> Columns:
+        """Outputs over the experiment's times at a steady speed, without the block's table."""
+        return _along(self.data, values)
+
     def derived(self, p: Signals) -> Signals:
         """The factors on the channels."""
         return {"scale": ca.vertcat(*(p[f"{channel}_scale"] for channel in CHANNELS))}
@@ -94,9 +98,26 @@ def _pages(values: np.ndarray, slopes: np.ndarray) -> np.ndarray:
 
 def reference(data: TrackData, block: RecordedTrack, values: Values) -> Reference:
     """Known results of a recorded track, its full size from the start on; values: [SI]."""
+    tables = {"stimuli": held({"speed": _speed(data)}), "results": block.known(values)}
+    return Reference(
+        block.name,
+        METHOD,
+        {"co-simulation": TOLERANCE, "model exchange": TOLERANCE},
+        {"fade_length": 0.0},
+        {name: as_bytes(table) for name, table in tables.items()},
+    )
+
+
+def _speed(data: TrackData) -> float:
+    """Of the known results, over one second [m/s]."""
+    return min(SPEED, 0.9 * data.length)
+
+
+def _along(data: TrackData, values: Values) -> Columns:
+    """Outputs over one second at a steady speed, by the splines."""
     behind = 2 * values["half_wheelbase"] * np.array([0, 1, 0, 1])
     behind += 2 * values["half_truck_spacing"] * np.array([0, 0, 1, 1])
-    speed = min(SPEED, 0.9 * data.length)  # [m/s], over one second
+    speed = _speed(data)
     distance = speed * TIMES
     results: Columns = {
         "time": TIMES,
@@ -111,11 +132,4 @@ def reference(data: TrackData, block: RecordedTrack, values: Values) -> Referenc
         results |= {f"axle[{axle}].rail_{name}": value for name, value in rails.items()}
         for side, sign in (("left", 1), ("right", -1)):
             results[f"axle[{axle}].rail_az_{side}"] = speed**2 * (bend + sign * twist / 2)
-    tables = {"stimuli": held({"speed": speed}), "results": results}
-    return Reference(
-        block.name,
-        METHOD,
-        {"co-simulation": TOLERANCE, "model exchange": TOLERANCE},
-        {"fade_length": 0.0},
-        {name: as_bytes(table) for name, table in tables.items()},
-    )
+    return results

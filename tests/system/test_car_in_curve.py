@@ -8,6 +8,8 @@ import pytest
 from fmus.catalogue import parameters
 from fmus.track.recorded_data import TrackData
 from orchestrator import simulate
+from tracktrain.assessment import assess
+from tracktrain.car.curving import remarks
 from tracktrain.car.hopper import hopper_car
 from tracktrain.car.track import with_track
 
@@ -101,3 +103,28 @@ def test_a_right_curve_is_the_left_one_in_a_mirror(curve):
         assert right[f"{axle}.load_left"] == pytest.approx(left[f"{axle}.load_right"], rel=1e-9)
         worn = left[f"{wheelset}.right.wear_number"]
         assert right[f"{wheelset}.left.wear_number"] == pytest.approx(worn, rel=1e-6)
+
+
+def test_guiding_force_wear_and_cant_deficiency_are_those_of_the_curve(curve):
+    found, made = curve
+    table = assess(made.dataset)
+    place, force = table.loc["quasi-static guiding force", ["place", "value"]]
+    wheel = place.split(",")[0].replace(" ", ".")
+    steady = found[f"{wheel}.l_over_v"] * found[f"truck_front.axle[1].load_{wheel[12:]}"]
+    assert wheel.startswith("wheelset_11")
+    assert "curve of 500 m left" in place
+    assert force == pytest.approx(steady / 1e3, rel=0.02)
+    assert table.loc["quasi-static guiding force", "limit"] == pytest.approx(30 + 10500 / RADIUS)
+    worn = max(found[f"{w}.{s}.wear_number"] for w in WHEELSETS for s in ("left", "right"))
+    assert table.loc["wear number T gamma of a wheel", "value"] == pytest.approx(worn, rel=0.02)
+    degree = 2 * np.degrees(np.arcsin(50 * 0.3048 / RADIUS))
+    unbalanced = 0.0007 * degree * (FASTER / 0.44704) ** 2 - CANT / 0.0254
+    deficiency = table.loc["cant deficiency by 49 CFR 213.57", "value"]
+    assert deficiency == pytest.approx(unbalanced, rel=1e-3)
+    assert deficiency == pytest.approx(found["track.frame.ay"] / G * 60, rel=0.05)
+
+
+def test_a_run_says_which_curve_it_went_through(curve):
+    (said,) = remarks(curve[1].dataset)
+    assert "curve to the left, radius 500 m" in said
+    assert "cant 50 mm (1.97 in), cant deficiency" in said

@@ -116,3 +116,19 @@ def test_before_its_start_and_behind_its_end_the_line_is_straight(left):
     assert beyond["cant"] == pytest.approx(-CANT)
     assert axles(beyond, "rail_y_left") == pytest.approx(0, abs=1e-9)
     assert outputs(left, 1.0)["frame.ay"] == pytest.approx(0, abs=1e-9)
+
+
+def test_the_known_results_are_the_blocks_also_where_a_line_begins_bent():
+    """A curve from the first station on, entered from the straight before it."""
+    bent = np.array([np.full(601, 1 / RADIUS), np.linspace(0, -CANT, 601)])
+    wave = 1e-3 * np.sin(np.arange(601) / 9 + np.arange(4)[:, None])
+    block = LaidTrack(TrackData("bent", 0.0, SPACING, wave, line=bent))
+    values = {**track_values("perfect", fade_length=0.0), **GIVEN, "start": 0.0}
+    known = block.known(values)
+    for row in (5, 20, 50):
+        distance, speed = known["distance"][row], known["speed_out"][row]
+        if distance:
+            found = outputs(block, distance, speed)
+            for name in known:
+                if name != "time":
+                    assert found[name] == pytest.approx(known[name][row], rel=1e-8, abs=1e-9), name
