@@ -83,7 +83,8 @@ class Recording:
 
     def row(self, k: int) -> NDArray[np.float64]:
         """The row of a macro step, which is in memory."""
-        return self.rows[at(self.in_memory, k)]
+        place = k - self.first  # as `at` has it, and says what is not there
+        return self.rows[place if 0 <= place < self._count else at(self.in_memory, k)]
 
     @property
     def last(self) -> int:

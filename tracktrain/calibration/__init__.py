@@ -17,7 +17,7 @@ import pandas as pd
 
 from orchestrator import owned
 
-from ..report.sheet import png, sheet
+from ..report.sheet import write_sheet
 from .evidence import Array
 from .features import TimeHistory
 from .fitting import Fitted, fit
@@ -114,18 +114,11 @@ def write_calibration(
 
     source: what the numbers come from, as calibrated.toml says it. The runs are removed.
     """
-    drawn = {name: png(figure) for name, figure in pictures(found.gathered, found.fitted).items()}
     tables = {"parameters": found.parameters, "fit": found.fit, "correlation": found.correlation}
-    written = [folder / NAME, folder / PARAMETERS, *(folder / f"{name}.csv" for name in tables)]
     notes = [*found.notes, f"run the calibrated car: tracktrain run {PARAMETERS}"]
-    written[0].write_text(sheet(title, tables, drawn, notes, command), encoding="utf-8")
+    drawn = pictures(found.gathered, found.fitted)
+    page, *others = write_sheet(folder / NAME, title, tables, drawn, notes, command)
     text = run_file(found.gathered.asked.shape, found.fitted, source)
-    written[1].write_text(f"{text}\n", encoding="utf-8")
-    for path, table in zip(written[2:], tables.values(), strict=True):
-        table.to_csv(path)
-    for name, content in drawn.items():
-        path = folder / f"{name}.png"
-        path.write_bytes(content)
-        written.append(path)
+    (folder / PARAMETERS).write_text(f"{text}\n", encoding="utf-8")
     shutil.rmtree(folder / FOLDER, ignore_errors=True)
-    return written
+    return [page, folder / PARAMETERS, *others]

@@ -19,7 +19,7 @@ from ..car.layout import Shown
 from ..errors import TracktrainError
 from ..overlaid import overlaid
 from ..quantities import shown_quantities
-from ..report.sheet import png, sheet
+from ..report.sheet import write_sheet
 from ..runs import named, within
 from .differences import differences, remarks
 from .numbers import numbers, still, unsettled
@@ -65,24 +65,9 @@ def compare(
 
 def write_comparison(found: Comparison, folder: Path, command: str = "") -> list[Path]:
     """Write comparison.html, its tables as CSV and its pictures into a folder; the files."""
-    pictures = {name: png(figure) for name, figure in drawn(found).items()}
+    title = " and ".join(found.runs) if len(found.runs) == 2 else f"{len(found.runs)} runs"
     tables = {"what_differs": found.differences, "numbers": found.numbers}
-    written = [folder / NAME, *(folder / f"{name}.csv" for name in tables)]
-    text = sheet(
-        " and ".join(found.runs) if len(found.runs) == 2 else f"{len(found.runs)} runs",
-        tables,
-        pictures,
-        found.notes,
-        command,
-    )
-    written[0].write_text(text, encoding="utf-8")
-    for path, table in zip(written[1:], tables.values(), strict=True):
-        table.to_csv(path)
-    for name, content in pictures.items():
-        path = folder / f"{name}.png"
-        path.write_bytes(content)
-        written.append(path)
-    return written
+    return write_sheet(folder / NAME, title, tables, drawn(found), found.notes, command)
 
 
 def drawn(found: Comparison) -> dict[str, Figure]:

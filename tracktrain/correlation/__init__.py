@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from ..report.sheet import png, sheet
+from ..report.sheet import write_sheet
 from ..runs import named, within
 from .channels import matched
 from .conditioning import CLOCKS, Conditioned, condition
@@ -77,16 +77,7 @@ def write_correlation(
     found: Correlation, folder: Path, title: str, command: str = ""
 ) -> list[Path]:
     """Write correlation.html, its tables as CSV and its pictures into a folder; the files."""
-    drawn = {name: png(figure) for name, figure in pictures(found.given).items()}
     tables = {"verdict": found.verdicts, "numbers": found.numbers}
     if len(found.ratings):
         tables["objective_rating"] = found.ratings
-    written = [folder / NAME, *(folder / f"{name}.csv" for name in tables)]
-    written[0].write_text(sheet(title, tables, drawn, found.notes, command), encoding="utf-8")
-    for path, table in zip(written[1:], tables.values(), strict=True):
-        table.to_csv(path)
-    for name, content in drawn.items():
-        path = folder / f"{name}.png"
-        path.write_bytes(content)
-        written.append(path)
-    return written
+    return write_sheet(folder / NAME, title, tables, pictures(found.given), found.notes, command)

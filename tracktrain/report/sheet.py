@@ -6,6 +6,7 @@ import base64
 import re
 from collections.abc import Mapping, Sequence
 from io import BytesIO
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -31,6 +32,25 @@ def sheet(
         notes=notes,
         **parts(tables, pictures),
     )
+
+
+def write_sheet(
+    page: Path,
+    title: str,
+    tables: Mapping[str, pd.DataFrame],
+    figures: Mapping[str, Figure],
+    notes: Sequence[str] = (),
+    command: str = "",
+) -> list[Path]:
+    """Write a page, and beside it its tables as CSV and its pictures as PNG; the files."""
+    pictures = {name: png(figure) for name, figure in figures.items()}
+    contents = {page: sheet(title, tables, pictures, notes, command).encode()}
+    for name, table in tables.items():
+        contents[page.with_name(f"{name}.csv")] = table.to_csv().encode()
+    contents |= {page.with_name(f"{name}.png"): picture for name, picture in pictures.items()}
+    for path, content in contents.items():
+        path.write_bytes(content)
+    return list(contents)
 
 
 def parts(
