@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ..errors import ParameterError
-from .spectra import CHANNELS
+from .channels import CHANNELS
 
 IN_FMU = "extra/org.tracktrain/track.csv"
 """Place of the stations in the FMU of a recorded track."""

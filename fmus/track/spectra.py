@@ -11,7 +11,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-CHANNELS = ("alignment", "profile", "cross_level", "gauge")
+from .channels import CHANNELS
+
 SPECTRA = (
     "report",
     "fra1",

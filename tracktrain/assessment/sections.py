@@ -15,8 +15,7 @@ import pandas as pd
 from orchestrator import Responses, Run
 
 from ..car.layout import SIDES
-from ..geometry.layout import CURVE, STRAIGHT
-from ..geometry.sections import Section, sections
+from ..geometry.sections import CURVE, STRAIGHT, Section, sections
 from ..results import responses_of
 from . import windows
 from .car import Array, Car

@@ -16,9 +16,9 @@ from fmus.track.recorded_data import TrackData
 from orchestrator import DimensionError, Quantity, UnitError, choices
 
 from .errors import GeometryError
+from .sections import CURVE, KINDS, TRANSITION
 from .table import HEAD, read_text
 
-STRAIGHT, TRANSITION, CURVE = KINDS = ("straight", "transition", "curve")
 DIRECTIONS = {"left": 1.0, "right": -1.0}
 FIELDS = ("kind", "length", "radius", "degree", "direction", "cant")
 OF_A_CURVE = ("radius", "degree", "direction", "cant")

@@ -8,8 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from .layout import CURVE, STRAIGHT, TRANSITION
-
+STRAIGHT, TRANSITION, CURVE = KINDS = ("straight", "transition", "curve")
 SPACING = 0.5
 """Of the places that are looked at [m]."""
 REACH = 5.0

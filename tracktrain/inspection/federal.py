@@ -18,8 +18,7 @@ from fmus.track.recorded_data import TrackData
 from fmus.track.spectra import CHANNELS, INCH, data
 
 from ..geometry.chords import FOOT, offsets
-from ..geometry.layout import STRAIGHT
-from ..geometry.sections import Section, curves, sections
+from ..geometry.sections import STRAIGHT, Section, curves, sections
 from ..geometry.shapes import RAILS
 
 Array = np.ndarray

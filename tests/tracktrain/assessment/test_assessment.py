@@ -20,8 +20,7 @@ from tracktrain.assessment.weighting import W_B
 from tracktrain.car.hopper import HOPPER
 from tracktrain.cli.main import main
 from tracktrain.events import nadal
-from tracktrain.geometry.layout import CURVE, STRAIGHT, TRANSITION
-from tracktrain.geometry.sections import Section
+from tracktrain.geometry.sections import CURVE, STRAIGHT, TRANSITION, Section
 
 SPEED, RATE, GRAVITY = 18.288, 1000, 9.80665
 AXLE_LOAD = 50 * 4448.2216152605  # 50 kip
