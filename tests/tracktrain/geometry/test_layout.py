@@ -9,7 +9,9 @@ import pytest
 from click.testing import CliRunner
 
 from support.variants import variant
-from tracktrain.car.track import on_layout, track_data
+from tracktrain.car.changes import swapped
+from tracktrain.car.hopper import hopper_car
+from tracktrain.car.track import on_layout, track_data, with_track
 from tracktrain.cli.main import main
 from tracktrain.geometry.errors import GeometryError
 from tracktrain.geometry.layout import length_of, read_layout, with_layout
@@ -160,3 +162,13 @@ def test_a_wheelset_without_ports_of_curves_is_refused_in_one(file, tmp_path):
     said = run("--layout", file(TOML), "--swap", f"wheelset_11={own}")
     assert "lacks the ports path_curvature, path_yaw" in said
     assert "it can on straight track" in said
+
+
+def test_a_truck_without_ports_of_curves_runs_in_one_and_it_is_said(file, tmp_path):
+    own = variant(tmp_path, "truck", lambda xml: xml.replace('"frame.', '"my_frame.'))
+    car, _ = with_track(hopper_car(), laid(file(TOML), 0.5))
+    swap, notes = swapped(car, "truck_rear", own)
+    assert any("knows no curves" in note for note in notes)
+    targets = {connection.target for connection in swap.connections}
+    assert "truck_rear.frame.ay" not in targets
+    assert {"truck_front.frame.ay", "carbody.frame.ay", "wheelset_22.path_yaw"} <= targets
