@@ -282,16 +282,17 @@ def find_leads(
     result: Floats,
 ) -> None:  # fmt: skip
     """Speeds and bends of a group over the `window` macro steps that end at row k + 1."""
-    rows, length, speeds = record.rows, window * step, leads.speed
+    rows, length = record.rows, window * step
+    columns, gains, speeds = leads.column, leads.gain, leads.speed
     start, now, end = at(record, k + 1 - window), at(record, k), at(record, k + 1)
     known, derived, rate = leads.known[group], leads.derived[group], 1.0 / length
     for n in range(leads.first[group], known):
-        column = leads.column[n]
-        speeds[n] = leads.gain[n] * ((rows[end, column] - rows[start, column]) * rate)
+        column = columns[n]
+        speeds[n] = gains[n] * ((rows[end, column] - rows[start, column]) * rate)
     for n in range(known, derived):
-        speeds[n] = leads.gain[n] * result[leads.rate[n]]
+        speeds[n] = gains[n] * result[leads.rate[n]]
     for n in range(derived, leads.first[group + 1]):
-        kind, column = leads.kind[n], leads.column[n]
+        kind, column = leads.kind[n], columns[n]
         speed, bend = 0.0, 0.0
         if kind == KNOWN_END:
             speed = (rows[end, column] - rows[start, column]) * rate
@@ -307,7 +308,7 @@ def find_leads(
             if window > 1:  # from the value at the start straight to the end that this predicts
                 reached = rows[now, column] + step * (speed + 0.5 * step * bend)
                 speed, bend = (reached - rows[start, column]) / length, 0.0
-        speeds[n], leads.bend[n] = leads.gain[n] * speed, leads.gain[n] * bend
+        speeds[n], leads.bend[n] = gains[n] * speed, gains[n] * bend
 
 
 @in_c
@@ -347,16 +348,17 @@ def lead_constants(leads: Leads, group: int, inputs: Feed, length: float) -> Non
 def fill_rates(rates: Led, group: int, leads: Leads, length: float) -> None:
     """Input derivatives of a group: a line has the mean of the parabola over the step."""
     first, value, third = rates.packets.first, rates.packets.value, length / 3.0
+    speed, of = leads.speed, rates.lead
     for n in range(first[group], rates.plain[group]):
-        value[n] = leads.speed[rates.lead[n]]
+        value[n] = speed[of[n]]
     for n in range(rates.plain[group], first[group + 1]):
-        lead = rates.lead[n]
+        lead = of[n]
         if rates.packets.order[n] == 2:
             value[n] = leads.bend[lead]
         elif leads.shape[lead] == PARABOLA:
-            value[n] = leads.speed[lead]
+            value[n] = speed[lead]
         else:
-            value[n] = leads.speed[lead] + third * leads.bend[lead]
+            value[n] = speed[lead] + third * leads.bend[lead]
 
 
 @in_c

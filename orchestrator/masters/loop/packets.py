@@ -101,9 +101,9 @@ def feed(plan: Plan, groups: Sequence[Sequence[Link]], extra: Sequence[Sequence[
 @in_c
 def fill_inputs(feed: Feed, group: int, record: Record, k: int) -> None:
     """Values of a group's inputs from row k of the record."""
-    row, value = at(record, k), feed.packets.value
+    row, rows, value, column = at(record, k), record.rows, feed.packets.value, feed.column
     for slot in range(feed.packets.first[group], feed.fed[group]):
-        value[slot] = record.rows[row, feed.column[slot]]
+        value[slot] = rows[row, column[slot]]
     for n in range(feed.first_converted[group], feed.first_converted[group + 1]):
         slot = feed.converted[n]
         value[slot] = feed.gain[n] * value[slot] + feed.offset[n]

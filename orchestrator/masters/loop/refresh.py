@@ -143,8 +143,17 @@ def close_loop(refresh: Refresh, loop: int, record: Record, k: int) -> bool:
 
 @in_any_order
 def all_finite(record: Record, k: int) -> bool:
-    """Whether row k has finite numbers only: zero times anything else is not zero."""
-    total, row = 0.0, at(record, k)
-    for n in range(record.rows.shape[1]):
-        total += 0.0 * record.rows[row, n]
+    """Whether row k has finite numbers only: their sum is, or they are though it overflows."""
+    total, rows, row = 0.0, record.rows, at(record, k)
+    for n in range(rows.shape[1]):
+        total += rows[row, n]
+    return 0.0 * total == 0.0 or each_finite(record, k)
+
+
+@in_any_order
+def each_finite(record: Record, k: int) -> bool:
+    """The same for a row whose sum says nothing: zero times what is not finite is not zero."""
+    total, rows, row = 0.0, record.rows, at(record, k)
+    for n in range(rows.shape[1]):
+        total += 0.0 * rows[row, n]
     return total == 0.0
