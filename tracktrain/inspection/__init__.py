@@ -23,6 +23,9 @@ __all__ = ["inspect"]
 MOST = 12
 """Excursions that are shown."""
 
+COARSE = 0.5
+"""Distance of stations [m] above which peaks are missed: track is measured each foot."""
+
 NOT_JUDGED = (
     "not judged are run-off at the end of a raise, harmonics of staggered joints, operation beyond "
     "5 in of cant deficiency, and classes 6 to 9 (subpart G)"
@@ -71,7 +74,7 @@ def inspect(track: TrackData, number: int | None = None) -> Outcome:
         tables=tables,
         pictures=shown,
         files={f"excursions_class_{asked}.csv": beyond.to_csv(index=False).encode()},
-        notes=[*track.said, *_notes(made, asked, len(beyond), found)],
+        notes=[*track.said, *_notes(made, asked, len(beyond), track.spacing, found)],
     )
 
 
@@ -79,7 +82,9 @@ def _class(made: int) -> str:
     return f"FRA class {made}" if made else "below FRA class 1"
 
 
-def _notes(made: int, asked: int, count: int, found: dict[str, densities.Spectrum]) -> list[str]:
+def _notes(
+    made: int, asked: int, count: int, spacing: float, found: dict[str, densities.Spectrum]
+) -> list[str]:
     notes = []
     if made:
         speeds = federal.law()["speeds"]
@@ -92,6 +97,11 @@ def _notes(made: int, asked: int, count: int, found: dict[str, densities.Spectru
     )
     shown = f"; the {MOST} worst are shown, excursions_class_{asked}.csv has all"
     notes.append(f"{stretches} outside the limits of class {asked}{shown if count > MOST else ''}")
+    if spacing > COARSE:
+        notes.append(
+            f"stations each {spacing:.4g} m may miss the peaks: the law's limits are looked for "
+            "each foot"
+        )
     notes += [NOT_JUDGED, RANGES.format(section=european.standard()["section"]["value"])]
     if found:
         degrees = next(iter(found.values())).degrees

@@ -47,7 +47,9 @@ def fit(track: TrackData, form: str = FORM, waves: Band | None = None) -> Outcom
         channels = [channel for channel in channels if channel in published(form)]
     if not channels:
         raise GeometryError(f"{track.name} has no channel that a spectrum could be fitted to")
-    band = waves or (max(WAVES[0], 2 * track.spacing), min(WAVES[1], _longest(track)))
+    band = waves or (max(WAVES[0], 2 * track.spacing), WAVES[1])
+    if waves is None and 2 * band[0] < _longest(track) < band[1]:
+        band = band[0], _longest(track)
     fits, measured = {}, {}
     for channel in channels:
         values = track.values[CHANNELS.index(channel)]

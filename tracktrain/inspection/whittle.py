@@ -80,7 +80,7 @@ def periodogram(values: Array, spacing: float, band: tuple[float, float]) -> Per
     """
     shortest, longest = band
     length = spacing * len(values)
-    if length < LEAST_WAVES * longest or shortest < 2 * spacing:
+    if not 2 * spacing <= shortest < longest <= length / LEAST_WAVES * (1 + 1e-9):
         raise GeometryError(
             f"{length:.4g} m of track with stations each {spacing:.4g} m cannot tell a spectrum of "
             f"waves of {shortest:.4g} to {longest:.4g} m; give --waves within {2 * spacing:.4g} to "

@@ -121,6 +121,12 @@ def test_what_cannot_be_fitted_says_what_could(made, arguments, message, tmp_pat
     assert result.exit_code != 0 and message in " ".join(result.output.split()), result.output
 
 
+def test_a_track_that_holds_no_ten_waves_is_refused():
+    short = np.random.default_rng(1).standard_normal((4, 60)) * 1e-3
+    with pytest.raises(GeometryError, match=r"15 m of track .* cannot tell"):
+        fit(TrackData("short", 0.0, 0.25, short))
+
+
 def test_a_perfect_track_has_no_spectrum():
     with pytest.raises(GeometryError, match="no channel"):
         fit(TrackData("flat", 0.0, 0.5, np.zeros((4, 2000))))

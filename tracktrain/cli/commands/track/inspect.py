@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from ....options.car import say_option, seed_option
+from ....errors import TracktrainError, choices
+from ....options.car import is_track_file, say_option, seed_option
 from ....options.types import Quantity
 from ....terminal import writable
 from ...as_json import json_option
@@ -65,11 +66,15 @@ def command(
     deviations by EN 13848, as tables and pictures.
     """
     from ....car.track import track_data
-    from ....geometry.making import drawn, is_spectrum
+    from ....geometry.making import KNOWN, drawn, is_spectrum
     from ....inspection import inspect
     from ....studies.common.command import deliver
 
     folder = writable(out or Path("tracktrain-inspect"))
     made = is_spectrum(source)
+    if not made and not is_track_file(source) and not Path(source).exists():
+        raise TracktrainError(
+            f"there is no spectrum and no file '{source}'; {choices(source, KNOWN)}; or name a file"
+        )
     data = drawn(source, seed, length, SPACING) if made else track_data(source, says)
     deliver(inspect(data, number), folder, quiet, as_json)
