@@ -19,12 +19,16 @@ from ..car.layout import Shown
 from ..errors import TracktrainError
 from ..overlaid import overlaid
 from ..quantities import shown_quantities
-from ..report.sheet import write_sheet
+from ..report.overlay import overlay
+from ..report.sheet import png, write_beside
 from ..runs import named, within
 from .differences import differences, remarks
 from .numbers import numbers, still, unsettled
 
 NAME = "comparison.html"
+
+FIRST = 3
+"""Signals that the page shows before others are picked."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +71,10 @@ def write_comparison(found: Comparison, folder: Path, command: str = "") -> list
     """Write comparison.html, its tables as CSV and its pictures into a folder; the files."""
     title = " and ".join(found.runs) if len(found.runs) == 2 else f"{len(found.runs)} runs"
     tables = {"what_differs": found.differences, "numbers": found.numbers}
-    return write_sheet(folder / NAME, title, tables, drawn(found), found.notes, command)
+    first = [signal.variable for signal in found.shown][:FIRST]
+    text = overlay(title, found.runs, first, tables, found.notes, command)
+    pictures = {name: png(figure) for name, figure in drawn(found).items()}
+    return write_beside(folder / NAME, text, tables, pictures)
 
 
 def drawn(found: Comparison) -> dict[str, Figure]:

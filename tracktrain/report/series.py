@@ -27,14 +27,17 @@ SEGMENTS = 4
 """Parts of the run that a spectrum is averaged over, overlapping by half, one more than twice."""
 
 
-def signals(dataset: Responses) -> tuple[list[dict[str, Any]], dict[str, Array], int]:
+def signals(
+    dataset: Responses, points: int = POINTS
+) -> tuple[list[dict[str, Any]], dict[str, Array], int]:
     """Every signal: what it is, arrays of it, and how many rows two points of a curve stand for.
 
     Arrays: time (points), signals (signals, points), frequency [Hz] (lines), density (signals,
-    lines). The signals are read one after the other, since a long run does not fit into memory.
+    lines). points: most of a curve. The signals are read one after the other, since a long run does
+    not fit into memory.
     """
     time = dataset["time"].values
-    width = max(int(np.ceil(2 * len(time) / POINTS)), 3) if len(time) > POINTS else 1
+    width = max(int(np.ceil(2 * len(time) / points)), 3) if len(time) > points else 1
     rate = (len(time) - 1) / float(time[-1] - time[0])
     said, curves, densities, frequency = [], [], [], np.empty(0)
     for name, variable in each(dataset, [str(name) for name in dataset.data_vars]):

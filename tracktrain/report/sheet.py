@@ -44,7 +44,14 @@ def write_sheet(
 ) -> list[Path]:
     """Write a page, and beside it its tables as CSV and its pictures as PNG; the files."""
     pictures = {name: png(figure) for name, figure in figures.items()}
-    contents = {page: sheet(title, tables, pictures, notes, command).encode()}
+    return write_beside(page, sheet(title, tables, pictures, notes, command), tables, pictures)
+
+
+def write_beside(
+    page: Path, text: str, tables: Mapping[str, pd.DataFrame], pictures: Mapping[str, bytes]
+) -> list[Path]:
+    """Write the text of a page, and beside it tables as CSV and pictures as PNG; the files."""
+    contents = {page: text.encode()}
     for name, table in tables.items():
         contents[page.with_name(f"{name}.csv")] = table.to_csv().encode()
     contents |= {page.with_name(f"{name}.png"): picture for name, picture in pictures.items()}

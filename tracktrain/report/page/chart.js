@@ -223,18 +223,26 @@ class Chart {
     for (const end of ["pointerup", "pointercancel"]) this.view.addEventListener(end, done, { once: true });
   }
 
+  // Number of a trace's point that is nearest to a place along the axis.
+  nearest(trace, wanted) {
+    const { x } = trace;
+    let [near] = this.within(trace);
+    for (let i = near; i < x.length && this.along(x[i]) <= this.ends[1]; i++)
+      if (Math.abs(this.along(x[i]) - wanted) < Math.abs(this.along(x[near]) - wanted) || !Number.isFinite(this.along(x[near]))) near = i;
+    return near;
+  }
+
   // All values at the point that is nearest.
   hover(event) {
     if (!this.traces?.length) return;
-    const wanted = this.value(this.at(event)), [{ x }] = this.traces;
-    let [near] = this.within(this.traces[0]);
-    for (let i = near; i < x.length && this.along(x[i]) <= this.ends[1]; i++)
-      if (Math.abs(this.along(x[i]) - wanted) < Math.abs(this.along(x[near]) - wanted) || !Number.isFinite(this.along(x[near]))) near = i;
+    const wanted = this.value(this.at(event)), own = this.traces.map((trace) => this.nearest(trace, wanted));
+    const { x } = this.traces[0], near = own[0];
     this.put(this.cursor, x[near]);
-    const lines = this.traces.map(({ name, y, suffix, colour }) => {
+    const lines = this.traces.map(({ name, y, suffix, colour }, n) => {
+      const value = y[own[n]];
       const mark = element("span", { className: "mark" });
       mark.style.background = colour;
-      return element("div", {}, mark, `${name}: ${Number.isFinite(y[near]) ? decimal(Number(y[near].toPrecision(4))) : "–"} ${suffix}`);
+      return element("div", {}, mark, `${name}: ${Number.isFinite(value) ? decimal(Number(value.toPrecision(4))) : "–"} ${suffix}`);
     });
     this.tip.replaceChildren(element("strong", {}, `${this.label.split(" [")[0]} ${decimal(Number(x[near].toPrecision(5)))} ${this.label.split(/[[\]]/)[1] ?? ""}`), ...lines);
     this.tip.hidden = false;

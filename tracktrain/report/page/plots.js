@@ -5,6 +5,13 @@ const MOST_PICKED = 12;
 const KINDS = { derailment: "bad", "above Nadal": "c5", "wheel lift": "c4" }; // colours of events
 const DEPTH = 1e-9; // of a spectrum below its peak, beyond which there is only rounding
 
+const RUNS = known.runs ?? [""]; // names of those that lie over each other
+
+// The colour of a picked signal of a run.
+function paint(signal, run) {
+  return PALETTE[(signal * RUNS.length + run) % PALETTE.length];
+}
+
 class Plots {
   constructor(arrays) {
     this.arrays = arrays;
@@ -66,32 +73,32 @@ class Plots {
 
   say(more = "") {
     const chips = this.picked.map((number, i) => {
-      const { name } = known.signals[number], mark = element("span", { className: "mark" });
-      mark.style.background = `var(--${PALETTE[i % PALETTE.length]})`;
+      const { name } = known.signals[number];
+      const marks = RUNS.flatMap((run, r) => [element("span", { className: "mark", style: `background: var(--${paint(i, r)})` }), run && `${run} `]);
       const drop = () => {
         const box = document.querySelector(`#choices input[value="${number}"]`);
         box.checked = false;
         this.pick(number, box);
         document.getElementById("filter").focus();
       };
-      return element("button", { type: "button", ariaLabel: `Remove ${name}`, onclick: drop }, mark, name, " ×");
+      return element("button", { type: "button", ariaLabel: `Remove ${name}`, onclick: drop }, ...marks, name, " ×");
     });
     document.getElementById("chips").replaceChildren(...chips);
     document.getElementById("picked").textContent = `${this.picked.length} of ${known.signals.length} picked${more && "; " + more}`;
   }
 
   draw() {
-    const { time, signals, frequency, density } = this.arrays;
-    const traces = (x, rows, power) => this.picked.map((number, i) => {
-      const { name, unit, factor } = known.signals[number];
+    const traces = (along, of, power) => this.picked.flatMap((number, i) => RUNS.map((run, r) => {
+      const { name, unit, factor } = known.signals[number], after = run && String(r);
+      const x = this.arrays[along + after].data, rows = this.arrays[of + after];
       const values = row(rows, number), floor = power > 1 ? DEPTH * values.reduce((a, b) => Math.max(a, b), 0) : -Infinity;
       const y = Float64Array.from(values, (value) => (value > floor ? value * factor ** power : NaN));
       const suffix = unit === "1" ? "" : power > 1 ? `(${unit})²/Hz` : unit;
-      return { name, x, y, unit, suffix, colour: colour(PALETTE[i % PALETTE.length]) };
-    });
+      return { name: run ? `${name}, ${run}` : name, x, y, unit, suffix, colour: colour(paint(i, r)) };
+    }));
     const bands = known.events.map(({ kind, from, to }) => ({ from, to, colour: colour(KINDS[kind]) }));
-    this.times.set(traces(time.data, signals, 1), (unit) => (unit === "1" ? "" : `[${unit}]`), bands);
-    this.spectra.set(traces(frequency.data, density, 2), (unit) => (unit === "1" ? "[1/Hz]" : `[(${unit})²/Hz]`));
+    this.times.set(traces("time", "signals", 1), (unit) => (unit === "1" ? "" : `[${unit}]`), bands);
+    this.spectra.set(traces("frequency", "density", 2), (unit) => (unit === "1" ? "[1/Hz]" : `[(${unit})²/Hz]`));
   }
 
   // A line at the time that the car is shown at.
