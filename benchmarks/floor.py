@@ -108,7 +108,6 @@ class _Text:
             "int run(long steps, double start, double H, double *now) {",
             f"double v[256], seed[64], result[{results + 1}], *next;",
             "int failed = 0;",
-            "const double per = 1.0 / H;",
             f"for (long k = 0; k < steps; k++, now += {len(self._plan.columns)}) {{",
             f"next = now + {len(self._plan.columns)};",
             *moves,
@@ -187,7 +186,7 @@ class _Text:
             raise NotImplementedError("the floor leads inputs along lines only")
         gain = f"{lead.link.gain!r} *"
         if lead.kind == KNOWN_END:
-            return f"({gain} ((next[{lead.column}] - now[{lead.column}]) * per))", "0.0"
+            return f"({gain} ((next[{lead.column}] - now[{lead.column}]) / H))", "0.0"
         if lead.kind == DERIVED:
             return f"({gain} result[{lead.rate}])", "0.0"
         if lead.kind == EXTRAPOLATED:

@@ -285,17 +285,17 @@ def find_leads(
     rows, length = record.rows, window * step
     columns, gains, speeds = leads.column, leads.gain, leads.speed
     start, now, end = at(record, k + 1 - window), at(record, k), at(record, k + 1)
-    known, derived, rate = leads.known[group], leads.derived[group], 1.0 / length
+    known, derived = leads.known[group], leads.derived[group]
     for n in range(leads.first[group], known):
         column = columns[n]
-        speeds[n] = gains[n] * ((rows[end, column] - rows[start, column]) * rate)
+        speeds[n] = gains[n] * ((rows[end, column] - rows[start, column]) / length)
     for n in range(known, derived):
         speeds[n] = gains[n] * result[leads.rate[n]]
     for n in range(derived, leads.first[group + 1]):
         kind, column = leads.kind[n], columns[n]
         speed, bend = 0.0, 0.0
         if kind == KNOWN_END:
-            speed = (rows[end, column] - rows[start, column]) * rate
+            speed = (rows[end, column] - rows[start, column]) / length
         elif kind == DERIVED:
             speed = result[leads.rate[n]]
         else:
