@@ -305,3 +305,6 @@ OWN_MODES_TRUCK = 1e-11
 
 NADAL = 0.02
 """L/V of a flange whose creep forces are nearly, not wholly, lateral."""
+
+MANCHESTER = 0.06
+"""FASTSIM against program CONTACT, Manchester benchmark A-2.2, forces over mu N."""

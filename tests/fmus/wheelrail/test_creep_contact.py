@@ -260,3 +260,21 @@ def test_the_mirrored_contact_has_the_mirrored_force(law):
     force_x, force_y, moment = CASE.forces(law, 4e-4, 7e-4, 0.3)
     mirrored = CASE.forces(law, 4e-4, -7e-4, -0.3)
     assert mirrored == pytest.approx([force_x, -force_y, -moment], rel=1e-9, abs=1e-12)
+
+
+MANCHESTER = {
+    "tread, 3 mm": (3.143e-3, 3.053e-3, 10030, (-1.10e-3, 7.20e-3, -0.02), (0.153, -0.988)),
+    "jump, 0.5 mm": (2.969e-3, 3.539e-3, 9870, (4.95e-4, 1.20e-3, 0.12), (-0.297, -0.871)),
+    "throat, 5.5 mm": (4.400e-3, 0.790e-3, 9629, (4.38e-3, 1.40e-2, 0.71), (-0.294, -0.955)),
+    "flange, 6.5 mm": (8.289e-3, 0.354e-3, 15440, (1.83e-2, 3.91e-2, 1.94), (-0.429, -0.900)),
+    "tip, 10 mm": (5.957e-3, 0.355e-3, 11440, (2.38e-2, 3.45e-2, 1.49), (-0.567, -0.822)),
+}
+"""Semi-axes [m] of S1002 on 60 E1 at that shift, and normal force [N], creepages [1, 1, 1/m] and
+forces over mu N by CONTACT: case A-2.2, left wheel, then the right one."""
+
+
+@pytest.mark.parametrize("place", MANCHESTER)
+def test_from_tread_to_flange_fastsim_is_near_contact(place):
+    a, b, load, creepage, contact = MANCHESTER[place]
+    rig = ContactRig(a=a, b=b, load=load, friction=0.3)
+    assert rig.forces("fastsim", *creepage)[:2] == pytest.approx(contact, abs=tolerances.MANCHESTER)
