@@ -97,7 +97,7 @@ def test_our_truck_is_introduced_with_all_that_it_offers() -> None:
     assert "model exchange offers directional derivatives, saved state, serialised state" in said
     assert not any("without" in line for line in said)
     assert "experiment start 0, stop 8.0, step 0.001, tolerance 1e-08" in said
-    assert "inputs (36)" in said
+    assert "inputs (40)" in said
     assert "outputs (51)" in said
     assert any(line.startswith("axle[1].vy m/s axle[1].y no input Lateral") for line in said)
 
@@ -273,7 +273,7 @@ def test_states_terminals_and_reference_results_of_ours_are_told() -> None:
     assert "states 12, event indicators 16" in said
     assert "follows org.fmi-standard.fmi-ls-ref 1.0.0-alpha.1" in said
     assert "result: results.csv" in said
-    assert "terminals (5)" in said
+    assert "terminals (6)" in said
     assert any(line.startswith("rails[1] org.tracktrain.rails bus axle[1].rail_z") for line in said)
 
 
