@@ -26,6 +26,9 @@ MARK, NUMBER, LABEL, BESIDE = 3.5, 7.0, 19.0, 38.0
 """From a side [pt]: end of a mark, number, label above or below, label left or right."""
 
 STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
+NOTHING = 1e-100
+"""What is smaller in size is drawn as zero: numbers have no text for it."""
+
 Array = NDArray[np.float64]
 
 
@@ -141,8 +144,8 @@ def limits_of(values: Array, margin: float = 0.0) -> tuple[float, float]:
     """The least and the most of values that are numbers, apart; margin: share of room beside."""
     known = values[np.isfinite(values)]
     low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
-    if low == high:
-        wide = abs(low) or 1.0
+    if high - low < NOTHING:
+        wide = abs(low) if abs(low) >= NOTHING else 1.0
         return low - wide, high + wide
     return low - margin * (high - low), high + margin * (high - low)
 

@@ -67,8 +67,8 @@ class Curve:
     def limits(self) -> tuple[float, float]:
         """The least and the most that is shown [the scale's unit]."""
         if self.bound is not None:
-            bound = max(self.bound * self.scale.factor, np.finfo(float).tiny)
-            return -bound, bound
+            bound = self.bound * self.scale.factor
+            return limits_of(np.array([-bound, bound]))
         return limits_of(self.values * self.scale.factor, MARGIN)
 
 

@@ -119,7 +119,9 @@ def test_one_pass_growth_is_a_hundred_times_closer_than_held(feet_per_second):
     assert one_pass == pytest.approx(predicted, abs=tolerances.ONE_PASS_GROWTH)
 
 
-@pytest.mark.parametrize("track", ["report-grid", "report", "fra4"])
+@pytest.mark.parametrize(
+    "track", ["report-grid", pytest.param("report", marks=pytest.mark.slow), "fra4"]
+)
 def test_one_pass_trajectories_follow_the_reference_on_irregular_track(track):
     run = co_simulate(60, 1e-3, duration=8.0, track=track)
     assert run.completed, run.message

@@ -22,7 +22,8 @@ class LinearFmus(LinearMotion):
     """dx/dt = A x of a car on perfect track, flange open, all friction stuck.
 
     given: parameters by instance, as its FMU has them; what is not given is as in the FMU. body:
-    modal data of the carbody and its FMU, where it is not the default one.
+    modal data of the carbody and its FMU, where it is not the default one. fmus: by instance, of
+    wheelsets that are not the default ones.
     """
 
     def __init__(
@@ -30,11 +31,13 @@ class LinearFmus(LinearMotion):
         layout: Layout,
         given: Mapping[str, Mapping[str, Value]],
         body: tuple[ModalData, Path] | None = None,
+        fmus: Mapping[str, Path] | None = None,
     ) -> None:
         self.layout, self.carbody = layout, body[0] if body else None
         files = {name: fmu_path(b) for name, b in layout.blocks.items() if name != layout.track}
         if body:
             files[layout.carbody] = body[1]
+        files |= fmus or {}
         self._components = {
             name: Component(
                 path, {k: v for k, v in given[name].items() if not k.startswith("initial.")}

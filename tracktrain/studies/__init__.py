@@ -14,6 +14,7 @@ STUDIES = {
     "stability": "Eigenvalues of the linearised car against speed (Figures 7-14 to 7-16)",
     "sensitivity": "What drives the hunting: derivatives of growth and critical speed",
     "uncertainty": "How certain: bands, what they come from, what to measure (Sobol's indices)",
+    "safety": "Limits against speed, curve, load and profiles; critical speed by conicity",
     "carbody-survey": "Carbody on air springs: modal survey (Table 4-1, Figures 4-8, 4-9)",
     "structure": "Carbody by finite elements: modes, survey, scaling, FMU, car (Tables 4-2 to 4-4)",
     "truck-hysteresis": "Truck on a rig: loops of every element (Figure 4-20)",

@@ -59,7 +59,7 @@ def test_the_archive_is_valid_and_holds_what_the_blocks_hold(fmu):
     ):
         assert place in held
     terminals = ElementTree.fromstring(held["terminalsAndIcons/terminalsAndIcons.xml"])
-    assert [t.get("name") for t in terminals.iter("Terminal")] == ["front", "rear"]
+    assert [t.get("name") for t in terminals.iter("Terminal")] == ["front", "rear", "frame"]
     page = held["documentation/index.html"].decode()
     assert "mode[5].frequency" in page and "a test" in page  # the parameters' source
 

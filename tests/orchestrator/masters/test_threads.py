@@ -30,9 +30,9 @@ def chain(tmp_path_factory) -> System:
 
 @pytest.mark.parametrize("order", [0, 1])
 def test_threads_change_no_bit(chain, order):
-    options = {"duration": 2.0, "step": 1e-3, "master": "jacobi", "order": order}
+    options = {"duration": 0.4, "step": 1e-3, "master": "jacobi", "order": order}
     whole = simulate(chain, **options)
-    assert np.ptp(whole.record, axis=0).max() > 0.1
+    assert np.ptp(whole.record, axis=0).max() > 0.01
     for threads in (2, 3, 50):
         run = simulate(chain, **options, threads=threads)
         assert run.record.tobytes() == whole.record.tobytes()

@@ -24,7 +24,7 @@ def platforms(fmu: Path) -> set[str]:
 
 
 def without_compiling(monkeypatch: pytest.MonkeyPatch) -> None:
-    def write_name(sources: object, library: Path, target: compiler.Target) -> None:
+    def write_name(sources: object, library: Path, target: compiler.Target, flags: object) -> None:
         library.write_text(target.name)
 
     monkeypatch.setattr(builder, "compile_library", write_name)

@@ -77,6 +77,7 @@ def test_the_reports_linear_car_dies_out_at_60_and_hunts_above():
     assert np.isnan(table["amplitude [mm]"].iloc[0])
 
 
+@pytest.mark.slow
 def test_staircases_bracket_the_bisected_critical_speed():
     """Up and down: the car hunts above the critical speed and not below, whence it may come."""
     low, high = 45 * FOOT, 75 * FOOT

@@ -59,6 +59,7 @@ def test_loops_with_2_percent_noise_give_it_within_5_percent(element):
     assert max(errors.values()) < 0.05
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_truth_as_often_as_they_promise():
     hits = []
     for seed in range(20):

@@ -1,0 +1,49 @@
+"""The study of safety: what counts as safe, and what a car on profiles does in a curve."""
+
+from __future__ import annotations
+
+from math import inf
+
+import pytest
+
+from tracktrain.geometry.layout import length_of
+from tracktrain.studies.safety.cases import SAFETY, Case, Line, highest_safe
+from tracktrain.studies.safety.study import safety
+
+
+def case(speed: float, share: float = 0.5, derailments: int = 0, stopped: str = "") -> Case:
+    shares = {"aar_roll": 0.1, "wheel_l_over_v": share}
+    return Case("empty", Line(), "cone", speed, shares, derailments, stopped)
+
+
+def test_the_straight_is_as_long_as_the_curve():
+    straight, curve = Line(), Line(450.0, 0.0762)
+    assert length_of(straight.elements()) == length_of(curve.elements())
+    assert straight.radius == inf and straight.title == "straight"
+
+
+@pytest.mark.parametrize(
+    ("unsafe", "reason"),
+    [
+        (case(20.0, share=1.01), SAFETY["wheel_l_over_v"]),
+        (case(20.0, derailments=1), "derailment"),
+        (case(20.0, stopped="the state grew without bound"), "run stopped"),
+    ],
+    ids=["limit", "derailment", "stopped"],
+)
+def test_a_speed_is_safe_below_the_first_that_is_not(unsafe, reason):
+    safe, first = highest_safe([case(30.0), unsafe, case(10.0)])
+    assert safe == 10.0 and first is unsafe and first.reason == reason
+    assert highest_safe([case(30.0), case(10.0)]) == (30.0, None)
+
+
+@pytest.mark.slow
+def test_a_tighter_curve_takes_more_of_the_limit_and_a_lighter_car_climbs_first():
+    outcome = safety(
+        speeds=["30 mph"], radii=["900 m", "300 m"], pairs=[("worn", "crown")], track="perfect"
+    )
+    shares = outcome.dataset.share.sel(limit="en_derailment").values.reshape(2, 3)
+    assert (shares[:, 2] > 1.3 * shares[:, 1]).all()  # radius 300 m against 900 m
+    assert not outcome.dataset.derailments.values.any()
+    critical = outcome.tables["critical_speed_by_conicity"]["critical speed [mph]"]
+    assert critical.loc[:, "loaded"].is_monotonic_decreasing

@@ -1,0 +1,174 @@
+"""What is run and judged: a car with some profiles along a line at a speed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import inf, isinf
+
+import pandas as pd
+
+from fmus.wheelrail.contact_table import ContactTable
+from orchestrator import Session, simulate
+
+from ...assessment import EXCEEDED, PASSED, assess
+from ...assessment.rules import rules
+from ...car.hopper import hopper_car, layout_of
+from ...car.track import time_over, with_track
+from ...car.wheelsets import with_profiles
+from ...events import DERAILMENT, events
+from ...failures import heard
+from ...geometry.layout import Element, length_of, with_layout
+from ...geometry.making import empty, with_spectrum
+from ...geometry.sections import CURVE, STRAIGHT, TRANSITION
+from ...scales import MILE_PER_HOUR
+
+STEP = 1e-3
+"""Macro step [s]."""
+
+SPACING = 0.25
+"""Between the stations of a track [m]."""
+
+APPROACH, EASING, BODY, EXIT = 60.0, 60.0, 250.0, 60.0
+"""Lengths of the straights at both ends, of a transition and of the curve [m]."""
+
+SAFETY = {
+    "wheel_l_over_v": "wheel L/V",
+    "truck_side_l_over_v": "truck side L/V",
+    "aar_axle_sum_way": "axle sum of wheel L/V",
+    "aar_wheel_unloading_way": "least wheel load",
+    "aar_peak_to_peak": "carbody lateral acceleration",
+    "aar_roll": "carbody roll",
+    "en_axle_force": "sum Y",
+    "en_wheel_load": "wheel load Q",
+    "en_derailment": "Y/Q of a leading wheel",
+    "en_quasi_static_force": "quasi-static guiding force",
+}
+"""Rules of the assessment that are about safety, by key, and their names in a table."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A straight, or a curve to the left between transitions; radius [m], cant [m]."""
+
+    radius: float = inf
+    cant: float = 0.0
+
+    @property
+    def title(self) -> str:
+        if isinf(self.radius):
+            return "straight"
+        return f"curve of {self.radius:.6g} m, cant {1e3 * self.cant:.3g} mm"
+
+    def elements(self) -> list[Element]:
+        """As the layout of a track has them."""
+        if isinf(self.radius):
+            return [Element(STRAIGHT, APPROACH + 2 * EASING + BODY + EXIT, 0.0, 0.0)]
+        bent = 1 / self.radius, self.cant
+        return [
+            Element(STRAIGHT, APPROACH, 0.0, 0.0),
+            Element(TRANSITION, EASING, *bent),
+            Element(CURVE, BODY, *bent),
+            Element(TRANSITION, EASING, 0.0, 0.0),
+            Element(STRAIGHT, EXIT, 0.0, 0.0),
+        ]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A run that was judged; speed [m/s].
+
+    shares: of each limit of `SAFETY` that could be judged. derailments: as `events` counts them.
+    stopped: why the run did, before its end.
+    """
+
+    car: str
+    line: Line
+    profiles: str
+    speed: float
+    shares: Mapping[str, float]
+    derailments: int
+    stopped: str
+
+    @property
+    def worst(self) -> tuple[str, float]:
+        """The rule of which most is used, and that share."""
+        name = max(self.shares, key=lambda key: self.shares[key])
+        return name, self.shares[name]
+
+    @property
+    def reason(self) -> str:
+        """What makes it unsafe; empty for a safe one."""
+        if self.stopped:
+            return "run stopped"
+        if self.derailments:
+            return "derailment"
+        name, share = self.worst
+        return SAFETY[name] if share > 1.0 else ""
+
+    def __str__(self) -> str:
+        name, share = self.worst if self.shares else ("", inf)
+        return (
+            self.reason.upper()
+            if self.stopped
+            else f"{share:.2f} {SAFETY.get(name, '')}" + (", DERAILS" if self.derailments else "")
+        )
+
+
+def run_case(
+    car: str,
+    line: Line,
+    profiles: tuple[str, ContactTable],
+    speed: float,
+    surroundings: tuple[str, int, str],
+    session: Session,
+) -> Case:
+    """One run; profiles: their name and table; surroundings: track, seed and creep law."""
+    track, seed, creep_law = surroundings
+    system = hopper_car(car, speed, "perfect")
+    elements = line.elements()
+    data = empty("line", length_of(elements), SPACING)
+    if track != "perfect":
+        data = with_spectrum(data, track, seed)
+    data = with_layout(data, elements, line.title)
+    name, table = profiles
+    system, _ = with_profiles(system, table)
+    wheelsets = [axle.wheelset for axle in layout_of(system).axles]
+    system = system.with_values({wheelset: {"creep_law": creep_law} for wheelset in wheelsets})
+    system, _ = with_track(system, data)
+    duration = time_over(system, data)
+    run = heard(simulate(system, duration=duration - duration % STEP, step=STEP, session=session))
+    if not run.completed and run.time.size < 100:
+        return Case(car, line, name, speed, {}, 0, run.message)
+    found = events(run.dataset)
+    return Case(
+        car,
+        line,
+        name,
+        speed,
+        _shares(assess(run)),
+        sum(event.kind == DERAILMENT for event in found),
+        "" if run.completed else run.message,
+    )
+
+
+def _shares(table: pd.DataFrame) -> dict[str, float]:
+    judged = table["share"][table["result"].isin([PASSED, EXCEEDED])]
+    quantities = {rule.key: rule.quantity for rule in rules()}
+    return {key: float(judged[quantities[key]]) for key in SAFETY if quantities[key] in judged}
+
+
+def highest_safe(cases: Sequence[Case]) -> tuple[float, Case | None]:
+    """Of cases that differ in speed alone: the speed [m/s] up to which all are safe, 0 for none;
+    and the first that is not."""
+    safe = 0.0
+    for case in sorted(cases, key=lambda case: case.speed):
+        if case.reason:
+            return safe, case
+        safe = case.speed
+    return safe, None
+
+
+def mph(speed: float) -> float:
+    """From m/s."""
+    return speed / MILE_PER_HOUR

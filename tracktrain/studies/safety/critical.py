@@ -1,0 +1,77 @@
+"""Critical speeds of the linear car by its profiles, and by the conicity of cones."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import nan, pi
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from fmus.export.wheelrail import wheelrail_fmu
+from fmus.wheelrail.contact_table import ContactTable
+
+from ...car.hopper import hopper_car, layout_of
+from ...car.linear import linear_car
+from ...car.linear_fmus import LinearFmus
+from ...car.linear_motion import LinearMotion
+from ...car.modes import critical_speeds, growing
+from ...car.wheelsets import with_profiles
+from ...profiles.examined import NORM, Examined
+from ...profiles.pairing import Pairing
+from ...scales import FOOT, MILE_PER_HOUR
+
+GRID = np.arange(10.0, 202.0, 4.0) * FOOT
+"""Speeds between which a critical speed is looked for [m/s]."""
+
+CONICITIES = (0.025, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4)
+"""Of cones [1]."""
+
+
+def by_profiles(
+    cars: Sequence[str], pairs: Mapping[str, tuple[str | Path, str | Path, ContactTable]]
+) -> pd.DataFrame:
+    """Equivalent conicity at 3 mm and critical speed of each car on each pair; friction stuck."""
+    rows = []
+    for name, (wheel, rail, table) in pairs.items():
+        examined = Examined(*Pairing().placed(wheel, rail))
+        for car in cars:
+            row: dict[str, object] = {"profiles": name, "car": car}
+            row[f"conicity at {1e3 * NORM:g} mm"] = examined.conicity_at(NORM)
+            rows.append(row | _critical(_on_profiles(car, table)))
+    return pd.DataFrame(rows).set_index(["profiles", "car"])
+
+
+def by_conicity(cars: Sequence[str], conicities: Sequence[float] = CONICITIES) -> pd.DataFrame:
+    """Critical speed of each car on cones; friction stuck."""
+    rows = [
+        {"conicity": conicity, "car": car}
+        | _critical(linear_car(car, "stuck", {"wheelrail.conicity": conicity}))
+        for conicity in conicities
+        for car in cars
+    ]
+    return pd.DataFrame(rows).set_index(["conicity", "car"])
+
+
+def _on_profiles(car: str, table: ContactTable) -> LinearFmus:
+    system, _ = with_profiles(hopper_car(car, track="perfect"), table)
+    layout = layout_of(system)
+    given = {name: component.parameters for name, component in system.components.items()}
+    fmu = wheelrail_fmu(table)
+    return LinearFmus(layout, given, fmus={axle.wheelset: fmu for axle in layout.axles})
+
+
+def _critical(linear: LinearMotion) -> dict[str, object]:
+    found = critical_speeds(linear, GRID)
+    if found:
+        speed, root, mode = found[0]
+    elif (already := growing(linear, GRID[0])) is not None:
+        speed, root, mode = 0.0, already.root, already.mode
+    else:
+        speed, root, mode = nan, complex(nan, nan), "none becomes unstable"
+    return {
+        "critical speed [mph]": speed / MILE_PER_HOUR,
+        "frequency [Hz]": root.imag / (2 * pi),
+        "mode": mode,
+    }
