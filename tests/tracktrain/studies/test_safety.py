@@ -7,7 +7,7 @@ from math import inf
 import pytest
 
 from tracktrain.geometry.layout import length_of
-from tracktrain.studies.safety.cases import SAFETY, Case, Line, highest_safe
+from tracktrain.studies.safety.cases import SAFETY, Case, Line, Surroundings, highest_safe
 from tracktrain.studies.safety.study import safety
 
 
@@ -40,7 +40,10 @@ def test_a_speed_is_safe_below_the_first_that_is_not(unsafe, reason):
 @pytest.mark.slow
 def test_a_tighter_curve_takes_more_of_the_limit_and_a_lighter_car_climbs_first():
     outcome = safety(
-        speeds=["30 mph"], radii=["900 m", "300 m"], pairs=[("worn", "crown")], track="perfect"
+        speeds=["30 mph"],
+        radii=["900 m", "300 m"],
+        pairs=[("worn", "crown")],
+        surroundings=Surroundings("perfect"),
     )
     shares = outcome.dataset.share.sel(limit="en_derailment").values.reshape(2, 3)
     assert (shares[:, 2] > 1.3 * shares[:, 1]).all()  # radius 300 m against 900 m

@@ -75,6 +75,15 @@ class Line:
 
 
 @dataclass(frozen=True)
+class Surroundings:
+    """The irregularities and their seed, and the law of the creep forces."""
+
+    track: str = "fra4"
+    seed: int = 1
+    creep_law: str = "polach"
+
+
+@dataclass(frozen=True)
 class Case:
     """A run that was judged; speed [m/s].
 
@@ -120,26 +129,26 @@ def run_case(
     line: Line,
     profiles: tuple[str, ContactTable],
     speed: float,
-    surroundings: tuple[str, int, str],
+    surroundings: Surroundings,
     session: Session,
 ) -> Case:
-    """One run; profiles: their name and table; surroundings: track, seed and creep law."""
-    track, seed, creep_law = surroundings
+    """One run; profiles: their name and table."""
     system = hopper_car(car, speed, "perfect")
     elements = line.elements()
     data = empty("line", length_of(elements), SPACING)
-    if track != "perfect":
-        data = with_spectrum(data, track, seed)
+    if surroundings.track != "perfect":
+        data = with_spectrum(data, surroundings.track, surroundings.seed)
     data = with_layout(data, elements, line.title)
     name, table = profiles
     system, _ = with_profiles(system, table)
+    given = {"creep_law": surroundings.creep_law}
     wheelsets = [axle.wheelset for axle in layout_of(system).axles]
-    system = system.with_values({wheelset: {"creep_law": creep_law} for wheelset in wheelsets})
+    system = system.with_values({wheelset: given for wheelset in wheelsets})
     system, _ = with_track(system, data)
     duration = time_over(system, data)
     run = heard(simulate(system, duration=duration - duration % STEP, step=STEP, session=session))
     if not run.completed and run.time.size < 100:
-        return Case(car, line, name, speed, {}, 0, run.message)
+        return Case(car, line, name, speed, {}, 0, run.message or "")
     found = events(run.dataset)
     return Case(
         car,
@@ -148,7 +157,7 @@ def run_case(
         speed,
         _shares(assess(run)),
         sum(event.kind == DERAILMENT for event in found),
-        "" if run.completed else run.message,
+        "" if run.completed else run.message or "",
     )
 
 

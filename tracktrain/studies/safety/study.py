@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import wraps
 from itertools import product
 from math import nan
 from pathlib import Path
+from typing import Any
 
 import click
 import numpy as np
@@ -23,7 +25,7 @@ from ...terminal import Progress, unseen
 from ..common.command import study_command
 from ..common.given import taking
 from ..common.outcome import Outcome
-from .cases import SAFETY, Case, Line, highest_safe, mph, run_case
+from .cases import SAFETY, Case, Line, Surroundings, highest_safe, mph, run_case
 from .critical import by_conicity, by_profiles
 from .pictures import shares_figure
 
@@ -37,6 +39,8 @@ CANT = 0.0762
 PAIRS = (("conical", "crown"), ("worn", "crown"), ("worn", "60e1"))
 """Wheels and rails."""
 
+AS_USUAL = Surroundings()
+
 Pair = tuple[str | Path, str | Path]
 
 
@@ -47,15 +51,13 @@ def safety(
     radii: Sequence[float] = RADII,
     cant: float = CANT,
     pairs: Sequence[Pair] = PAIRS,
-    track: str = "fra4",
-    seed: int = 1,
-    creep_law: str = "polach",
+    surroundings: Surroundings = AS_USUAL,
     progress: Progress = unseen,
 ) -> Outcome:
     """Up to which speed a car keeps its limits: straight and in curves, by load and profiles.
 
     Each car on each pair of wheel and rail runs along a straight and through a curve of each radius
-    [m] with its cant [m], at each of the speeds [m/s], over irregularities of `track`. Of each run
+    [m] with its cant [m], at each of the speeds [m/s], over irregularities. Of each run
     the limits of derailment, wheel loads, track forces and carbody motion are judged, and what of
     them is used most. The creep law has to end at friction, which `linear` does not. Beside that
     stands the critical speed of the linear car, friction stuck, by profiles and by the conicity of
@@ -71,10 +73,11 @@ def safety(
     with Session() as session:
         for number, (car, name, line, speed) in enumerate(asked, start=1):
             on = name, tables[name][2]
-            cases.append(run_case(car, line, on, speed, (track, seed, creep_law), session))
+            cases.append(run_case(car, line, on, speed, surroundings, session))
             progress(number / len(asked))
     return Outcome(
-        title=f"Safety on {track}, seed {seed}, creep by {creep_law}",
+        title=f"Safety on {surroundings.track}, seed {surroundings.seed}, "
+        f"creep by {surroundings.creep_law}",
         dataset=_dataset(cases),
         tables={
             "highest_safe_speed": _highest(cases),
@@ -90,6 +93,11 @@ def safety(
             "one realisation of the track; another one (--seed) gives other shares",
         ],
     )
+
+
+@wraps(safety)
+def _from_options(track: str, seed: int, creep_law: str, **given: Any) -> Outcome:
+    return safety(surroundings=Surroundings(track, seed, creep_law), **given)
 
 
 command = study_command(
@@ -144,7 +152,7 @@ Examples:
   tracktrain study safety
   tracktrain study safety --car empty --radius "300 m" --cant "4 in" --speed "25 mph"
   tracktrain study safety --profiles my_wheel.csv 60e1""",
-)(safety)
+)(_from_options)
 
 
 def _named(profile: str | Path) -> str:
