@@ -143,7 +143,7 @@ def _element(place: str, given: Given) -> Element:
     if kind not in KINDS:
         raise GeometryError(f"{place}: there is no kind '{kind}'; {choices(kind, KINDS)}")
     length = _number(place, given, "length", "m")
-    if length is None or not length > 0:
+    if length is None or not length > 0 or math.isinf(length):
         raise GeometryError(f"{place}: give a length above zero, such as '100 m'")
     if kind != CURVE:
         if extra := [name for name in OF_A_CURVE if name in given]:
@@ -163,7 +163,7 @@ def _element(place: str, given: Given) -> Element:
     if direction not in DIRECTIONS:
         raise GeometryError(f"{place}: say direction = left or right; '{direction}' is neither")
     cant = _number(place, given, "cant", "m") or 0.0
-    if abs(cant) > MOST_CANT:
+    if not abs(cant) <= MOST_CANT:
         raise GeometryError(
             f"{place}: a cant of {cant:g} m is more than any railway has ({MOST_CANT:g} m); "
             "correct the number or its unit"
@@ -179,7 +179,12 @@ def _radius(place: str, given: Given) -> float:
         radius = _number(place, given, "radius", "m") or 0.0
     else:
         degree = _number(place, given, "degree", "deg") or 0.0
-        radius = CHORD / 2 / math.sin(math.radians(degree) / 2) if 0 < degree < 180 else 0.0
+        if not 0 < degree < 180:
+            raise GeometryError(
+                f"{place}: a degree of {degree:g} cannot be run; give it above zero (a right curve "
+                "has direction = right, and a straight is an element of its own)"
+            )
+        radius = CHORD / 2 / math.sin(math.radians(degree) / 2)
     if not LEAST_RADIUS <= radius < float("inf"):
         raise GeometryError(
             f"{place}: a radius of {radius:g} m cannot be run; give {LEAST_RADIUS:g} m or more "
@@ -209,11 +214,16 @@ def _number(place: str, given: Given, name: str, unit: str) -> float | None:
 
 def _of_toml(path: Path) -> list[tuple[str, dict[str, str]]]:
     try:
-        content = tomllib.loads(read_text(path))
+        content = tomllib.loads(read_text(path, "layout"))
     except tomllib.TOMLDecodeError as error:
         raise GeometryError(f"{path.name} is no TOML: {error}") from None
     found = content.pop(TABLE, None)
-    if not isinstance(found, list) or not found or content:
+    if isinstance(found, dict) or (found and not _rows(found)):
+        raise GeometryError(
+            f"{path.name} begins its elements otherwise than with [[{TABLE}]], in double brackets; "
+            "write that line before each"
+        )
+    if not found or content:
         other = f"'{next(iter(content))}'" if content else "nothing"
         raise GeometryError(
             f"{path.name} is a list of [[{TABLE}]] with {', '.join(FIELDS)}; it has {other}"
@@ -225,8 +235,12 @@ def _of_toml(path: Path) -> list[tuple[str, dict[str, str]]]:
     ]
 
 
+def _rows(found: object) -> bool:
+    return isinstance(found, list) and all(isinstance(row, dict) for row in found)
+
+
 def _of_csv(path: Path) -> list[tuple[str, dict[str, str]]]:
-    lines = enumerate(read_text(path).splitlines(), start=1)
+    lines = enumerate(read_text(path, "layout").splitlines(), start=1)
     kept = [(n, line) for n, line in lines if line.strip() and not line.lstrip().startswith("#")]
     rows = list(csv.reader([line for _, line in kept]))
     heads = [HEAD.fullmatch(cell) for cell in rows[0]] if rows else []
@@ -236,6 +250,9 @@ def _of_csv(path: Path) -> list[tuple[str, dict[str, str]]]:
             f"{path.name} is no list of elements; begin with a line such as "
             "'kind,length [m],radius [m],direction,cant [mm]'"
         )
+    twice = [name for i, (name, _) in enumerate(names) if name in [n for n, _ in names[:i]]]
+    if twice:
+        raise GeometryError(f"{path.name} has two columns '{twice[0]}'; leave one of them out")
     found = []
     for (number, _), cells in zip(kept[1:], rows[1:], strict=True):
         place = f"{path.name}, line {number}"

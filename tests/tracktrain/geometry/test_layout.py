@@ -133,6 +133,9 @@ def test_cant_without_curvature_is_refused_in_a_measured_file(file):
         ('cant = "80 mm"', 'cant = "80 cm"', "more than any railway has"),
         ('length = "50 m"', 'length = "50 m"\ncant = "1 in"', "element 5: .*cant without a curve"),
         ('length = "50 m"', 'length = "-5 m"', "element 5: give a length above zero"),
+        ('length = "50 m"', 'length = "inf m"', "element 5: give a length above zero"),
+        ('cant = "80 mm"', 'cant = "nan mm"', "element 3: a cant of nan m"),
+        ('radius = "400 m"', "degree = 0", "element 3: a degree of 0 cannot be run"),
         ('"curve"', '"bend"', "element 3: there is no kind 'bend'"),
         ('kind = "straight"\nlength = "50 m"', 'kind = "transition"\nlength = "50 m"', "leads"),
     ],
@@ -141,6 +144,23 @@ def test_what_is_no_line_is_refused_by_its_place(file, old, new, message):
     assert old in TOML
     with pytest.raises(GeometryError, match=f"line.toml, .*{message}|{message}"):
         read_layout(file(TOML.replace(old, new)))
+
+
+@pytest.mark.parametrize("text", ["[element]\nkind = 'straight'", "element = 3", "element = [3]"])
+def test_elements_without_double_brackets_are_told_so(file, text):
+    with pytest.raises(GeometryError, match=r"otherwise than with \[\[element\]\]"):
+        read_layout(file(text))
+
+
+def test_a_column_that_stands_twice_is_refused(file):
+    text = "kind,length [m],length [m]\nstraight,20,30\n"
+    with pytest.raises(GeometryError, match="two columns 'length'"):
+        read_layout(file(text, "csv"))
+
+
+def test_a_missing_layout_is_called_a_layout(tmp_path):
+    with pytest.raises(GeometryError, match=r"the layout '.*none.toml' cannot be read"):
+        read_layout(tmp_path / "none.toml")
 
 
 def run(*arguments):
