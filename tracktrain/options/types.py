@@ -45,7 +45,8 @@ class Quantity(click.ParamType):
         self.fail(problem, param, ctx)
 
     def _advice(self) -> str:
-        return f'give a {self.name} such as "{self.example}" (units: {", ".join(self.units)})'
+        a = "an" if self.name[0] in "aeiou" else "a"
+        return f'give {a} {self.name} such as "{self.example}" (units: {", ".join(self.units)})'
 
 
 class Name(click.ParamType):

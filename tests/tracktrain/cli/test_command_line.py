@@ -107,3 +107,9 @@ def test_python_m_is_the_same_command() -> None:
     assert result.returncode == 2
     assert "'60 kg' is a mass, not a speed" in result.stderr
     assert "Traceback" not in result.stderr
+
+
+def test_an_angle_without_its_unit_is_asked_for_with_its_article():
+    result = CliRunner().invoke(main, ["profile", "show", "worn", "crown", "--yaw", "5"])
+    assert result.exit_code == 2
+    assert "give an angle such as" in " ".join(result.output.split())
