@@ -90,6 +90,8 @@ def with_layout(track: TrackData, elements: Sequence[Element], name: str) -> Tra
     ends = np.cumsum([0.0, *(element.length for element in elements)])
     at = track.stations - track.first
     told = [f"line of {name}, {ends[-1]:.6g} m: {'; '.join(described(elements))}"]
+    if (rest := ends[-1] - at[-1]) > track.spacing:
+        told.append(f"the track ends {rest:.6g} m before that line does")
     line = np.array([_averaged(elements, ends, at, kind) for kind in ("curvature", "cant")])
     return replace(track, line=line, said=(*track.said, *told))
 

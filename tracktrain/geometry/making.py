@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from fmus.track.realisation import lines, realisation
-from fmus.track.recorded_data import TrackData
+from fmus.track.recorded_data import FEWEST, TrackData
 from fmus.track.spectra import CHANNELS, REPORT_SPECTRA, SPECTRA
 from orchestrator import choices
 
@@ -24,10 +24,18 @@ Band = tuple[float, float]
 DRAWN = tuple(name.replace("_", "-") for name in SPECTRA if name != "perfect")
 KNOWN = (*DRAWN, *NAMES)
 
+MOST = 20_000_000
+"""Stations of a track that is made: 2000 km each 0.1 m, 640 MB."""
+
 
 def empty(name: str, length: float, spacing: float) -> TrackData:
-    """Perfect track [m]."""
+    """Perfect track [m]; raises GeometryError for one that is too short, or too long to hold."""
     count = round(length / spacing) + 1
+    if not FEWEST <= count <= MOST:
+        raise GeometryError(
+            f"a track of {length:g} m has {count} stations each {spacing:g} m; {FEWEST} to {MOST} "
+            f"can be made: {'more' if count < FEWEST else 'less'} length, or another spacing"
+        )
     return TrackData(name, 0.0, spacing, np.zeros((len(CHANNELS), count)))
 
 

@@ -158,6 +158,12 @@ def test_a_column_that_stands_twice_is_refused(file):
         read_layout(file(text, "csv"))
 
 
+def test_a_track_that_ends_before_its_line_says_so(file):
+    elements = read_layout(file(TOML))
+    assert "the track ends 400 m before" in with_layout(empty("a", 20, 0.1), elements, "a").said[-1]
+    assert "ends" not in with_layout(empty("a", 420, 0.1), elements, "a").said[-1]
+
+
 def test_a_missing_layout_is_called_a_layout(tmp_path):
     with pytest.raises(GeometryError, match=r"the layout '.*none.toml' cannot be read"):
         read_layout(tmp_path / "none.toml")

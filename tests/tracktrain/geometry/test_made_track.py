@@ -213,3 +213,12 @@ def test_make_writes_what_run_and_inspect_read(tmp_path):
     assert isinstance(found, TrackData)
     assert np.array_equal(found.values, expected.values)
     assert found.said[:2] == expected.said
+
+
+@pytest.mark.parametrize(
+    ("length", "message"),
+    [(0.1, "0.1 m has 2 stations each 0.1 m; .*more length"), (1e9, "10000000001 .*less length")],
+)
+def test_a_track_of_too_few_or_too_many_stations_is_refused(length, message):
+    with pytest.raises(GeometryError, match=message):
+        empty("line", length, 0.1)
