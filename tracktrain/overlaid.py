@@ -69,7 +69,9 @@ def overlaid(
         shown = f"({unit})²" if unit else "1"
         label = f"{shown}/{_per(over)}" if spectra else unit or "1"
         axes.set_ylabel(f"{_label(group)}\n[{label}]")
-        if len(group) > 1 or (many and axes is grid[0]):
+        if not axes.lines:
+            axes.text(0.5, 0.5, "does not vary: no spectrum", ha="center", transform=axes.transAxes)
+        elif len(group) > 1 or (many and axes is grid[0]):
             axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=COLUMNS, frameon=False)
     last = "frequency" if over.unit == "s" else "wave number"
     grid[-1].set_xlabel(f"{last} [{_per(over)}]" if spectra else f"{over.label} [{over.unit}]")

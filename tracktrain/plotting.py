@@ -18,7 +18,7 @@ from orchestrator import Run, UnitError, choices, conversion
 from .car.hopper import layout_of
 from .car.layout import Shown
 from .errors import TracktrainError
-from .overlaid import TIME, Over, overlaid
+from .overlaid import LEAST_ROWS, TIME, Over, overlaid
 from .quantities import shown_quantities
 from .results import dataset_of
 from .runs import named, within
@@ -69,6 +69,12 @@ def plot(
     axis = _over(datasets, over)
     if spectrum and not axis.ordered:
         raise TracktrainError("a spectrum goes over time or distance; leave one of the two out")
+    short = [n for n, d in datasets.items() if spectrum and d.sizes["time"] < LEAST_ROWS]
+    if short:
+        raise TracktrainError(
+            f"run {short[0]} has {datasets[short[0]].sizes['time']} rows there, and a spectrum "
+            f"takes {LEAST_ROWS} at least; choose a longer span, or a longer run"
+        )
     return overlaid(datasets, list(groups.values()), axis, spectrum)
 
 

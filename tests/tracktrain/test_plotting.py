@@ -54,6 +54,12 @@ def test_the_spectrum_of_a_shake_peaks_at_its_frequency(over: str, peak: float, 
     assert unit in axes.get_xlabel() and unit in axes.get_ylabel()
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_spectrum_of_what_does_not_vary_says_so():
+    (axes,) = plot({"a": run(0.0), "b": run(0.0)}, "pump.shaft.y", spectrum=True).axes
+    assert [text.get_text() for text in axes.texts] == ["does not vary: no spectrum"]
+
+
 def test_signals_of_one_unit_share_a_panel():
     figure = plot(run(), ["pump.shaft.*", "track.distance"], together=True)
     assert [len(axes.lines) for axes in figure.axes] == [1, 1, 1]
@@ -69,6 +75,7 @@ def test_signals_of_one_unit_share_a_panel():
         ("shaft.y in glug", {}, "'glug' is not a known unit"),
         ("shaft.y", {"over": "pump.shaft.*"}, "is not one signal that every run has"),
         ("shaft.y", {"over": "force_y", "spectrum": True}, "over time or distance"),
+        ("shaft.y", {"end": 0.05, "spectrum": True}, "6 rows there, and a spectrum takes 16"),
     ],
 )
 def test_what_cannot_be_drawn_is_named(of: str, options: dict, said: str):
