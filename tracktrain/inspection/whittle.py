@@ -96,7 +96,7 @@ def periodogram(values: Array, spacing: float, band: tuple[float, float]) -> Per
 
 
 def fit_form(measured: Periodogram, channel: str) -> Fit:
-    """The published form of the FRA classes, (1) and (2) of the track block.
+    """The published form of the FRA classes, (1) and (2) of the track block; or GeometryError.
 
     Alignment and profile: A and Omega_c. Cross-level and gauge: A and Omega_s, since Omega_c enters
     as Omega_s does and cannot be told from it; it is held at its published value.
@@ -121,12 +121,20 @@ def fit_form(measured: Periodogram, channel: str) -> Fit:
 
     ordinate = measured.density / (2 * np.pi)
     start = float(np.log(np.mean(ordinate / np.exp(logarithm(square, 0.0, np.log(corner))))))
-    found, covariance = _maximum(
-        ordinate,
-        lambda p: np.asarray(logarithm(square, p[0], p[1])),
-        lambda p: slopes(p[1]),
-        np.array([start, np.log(corner)]),
-    )
+    try:
+        found, covariance = _maximum(
+            ordinate,
+            lambda p: np.asarray(logarithm(square, p[0], p[1])),
+            lambda p: slopes(p[1]),
+            np.array([start, np.log(corner)]),
+        )
+    except np.linalg.LinAlgError:
+        low, high = measured.band
+        raise GeometryError(
+            f"the {channel} is not of the form of the FRA classes: no corner within waves of "
+            f"{1 / high:.4g} to {1 / low:.4g} m makes it likeliest; give other --waves, or "
+            "--form nearest, which fits a published spectrum by its scale"
+        ) from None
     spread = np.sqrt(np.diag(covariance) * measured.inflation)
     symbols = ("A_v", "Omega_s") if crossing else ("A_a", "Omega_c")
     if channel == "profile":
@@ -200,7 +208,8 @@ def _maximum(
 
     def loss(at: Array) -> float:
         log = logarithm(at)
-        return float(np.sum(log + ordinate * np.exp(-log)))
+        with np.errstate(over="ignore"):  # of a step too far, which is halved
+            return float(np.sum(log + ordinate * np.exp(-log)))
 
     point, lowest = start, loss(start)
     for _ in range(STEPS):

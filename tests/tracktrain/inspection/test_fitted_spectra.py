@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -130,3 +132,11 @@ def test_a_track_that_holds_no_ten_waves_is_refused():
 def test_a_perfect_track_has_no_spectrum():
     with pytest.raises(GeometryError, match="no channel"):
         fit(TrackData("flat", 0.0, 0.5, np.zeros((4, 2000))))
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_sinusoid_is_not_of_the_form_and_that_is_said():
+    track = empty("waves", 99.75, 0.25)
+    track = replace(track, values=np.tile(1e-3 * np.sin(track.stations), (len(CHANNELS), 1)))
+    with pytest.raises(GeometryError, match=r"alignment is not of the form .*--form nearest"):
+        fit(track)
