@@ -79,9 +79,14 @@ def with_spectrum(
 
 
 def with_shapes(track: TrackData, shapes: Sequence[Shape]) -> TrackData:
-    """The track with shapes added."""
+    """The track with shapes added; raises GeometryError for one beyond its end."""
     added = np.zeros_like(track.values)
     for shape in shapes:
+        if shape.at > track.last:
+            raise GeometryError(
+                f"the {shape.form} at {shape.at:g} m lies behind the end of the track, "
+                f"{track.last:g} m; give another at=, or a longer track"
+            )
         shape.add_to(added, track.stations)
     notes = [
         f"{s.form} on {s.on}, {s.size:g} m, at {s.at:g} m, length {s.length:g} m, count {s.count:g}"

@@ -222,3 +222,9 @@ def test_make_writes_what_run_and_inspect_read(tmp_path):
 def test_a_track_of_too_few_or_too_many_stations_is_refused(length, message):
     with pytest.raises(GeometryError, match=message):
         empty("line", length, 0.1)
+
+
+def test_a_shape_behind_the_end_of_the_track_is_refused():
+    cusps = read_shape("cusp:on=left_profile,size=-1mm,at=1km,length=1m", 0.0)
+    with pytest.raises(GeometryError, match=r"cusp at 1000 m lies behind .*, 500 m"):
+        with_shapes(empty("line", 500.0, 0.1), cusps)
