@@ -16,8 +16,9 @@ from fmus.carbody.modal_files import read_modal_data
 from fmus.catalogue import parameter_units
 from orchestrator import Provenance, Responses
 
-from ..car.carbody import carbody_of, known_fmu
+from ..car.carbody import carbody_of
 from ..car.hopper import layout_of
+from ..car.kept import kept_fmu
 from ..car.layout import Layout
 from ..car.linear_fmus import LinearFmus
 from ..car.linear_motion import LinearMotion
@@ -87,20 +88,28 @@ def linear_of(dataset: Responses) -> tuple[LinearMotion, tuple[str, ...]] | None
         }
         if not given[instance]:
             return None
-    fmu = known_fmu(dataset)
+    fmu = kept_fmu(dataset, layout.carbody)
     if data is not None and fmu is None:
         return None
-    return _made(layout, json.dumps(given), data and fmu), _swapped(dataset, layout)
+    own = {axle.wheelset: kept_fmu(dataset, axle.wheelset) for axle in layout.axles}
+    wheelsets = {instance: str(path) for instance, path in own.items() if path}
+    linear = _made(layout, json.dumps(given), data and fmu, json.dumps(wheelsets))
+    return linear, tuple(
+        f"the FMU of {instance}"
+        for instance in _swapped(dataset, layout)
+        if instance not in wheelsets
+    )
 
 
 @lru_cache(maxsize=4)
-def _made(layout: Layout, given: str, body: Path | None) -> LinearFmus:
-    """A run's verdict and its page ask for the same car. given: as JSON."""
+def _made(layout: Layout, given: str, body: Path | None, wheelsets: str) -> LinearFmus:
+    """A run's verdict and its page ask for the same car. given, wheelsets: as JSON."""
     values = json.loads(given)
+    fmus = {instance: Path(path) for instance, path in json.loads(wheelsets).items()}
     if body is None:
-        return LinearFmus(layout, values)
+        return LinearFmus(layout, values, fmus=fmus)
     data = read_modal_data(body.with_suffix(".toml"))
-    return LinearFmus(layout, {**values, layout.carbody: {}}, (data, body))
+    return LinearFmus(layout, {**values, layout.carbody: {}}, (data, body), fmus)
 
 
 def standing(dataset: Responses) -> Standing | None:
@@ -145,7 +154,7 @@ def _swapped(dataset: Responses, layout: Layout) -> tuple[str, ...]:
     for instance, block in layout.blocks.items():
         stem = str(fmus.get(instance, {}).get("file", "")).split(".")[0]
         if block != "track" and stem and stem != block:
-            found.append(f"the FMU of {instance}")
+            found.append(instance)
     return tuple(found)
 
 

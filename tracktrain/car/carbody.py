@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
-import shutil
 from dataclasses import replace
 from pathlib import Path
-
-import platformdirs
 
 from fmus.carbody.modal_data import ModalData
 from fmus.carbody.modal_files import read_modal_data, write_modal_data
 from fmus.carbody.residual import with_residual_modes
 from fmus.describe.parameters import parameter_set
 from fmus.errors import ParameterError
-from orchestrator import Provenance, Responses, System, describe
+from orchestrator import Responses, System
 
 from .changes import swapped
 from .hopper import layout_of, vehicle
+from .kept import keep, place_of
 
 GRAVITY = 9.80665
 """[m/s2]"""
 
 WEIGHT_TOLERANCE = 0.02
 """Part of the weight by which carbody and trucks may differ before it is said."""
-
-KNOWN = platformdirs.user_cache_path("tracktrain") / "carbodies"
-"""Modal data and FMUs of the carbodies that ran here, by the SHA-256 of the FMU."""
 
 
 def carbody_data(path: Path | str, car: str = "loaded") -> ModalData:
@@ -53,10 +48,7 @@ def with_carbody(
         data = carbody_data(carbody, car)
         fmu = Path(carbody) if Path(carbody).suffix.lower() == ".fmu" else None
     path = fmu or _built(data)
-    KNOWN.mkdir(parents=True, exist_ok=True)
-    kept = KNOWN / describe(path).sha256
-    write_modal_data(data, kept.with_suffix(".toml"))
-    shutil.copyfile(path, kept.with_suffix(".fmu"))
+    write_modal_data(data, keep(path).with_suffix(".toml"))
     swap, _ = swapped(system, instance, path)
     own = replace(swap.components[instance], parameters={})
     system = replace(swap, components={**swap.components, instance: own})
@@ -72,25 +64,13 @@ def _built(data: ModalData) -> Path:
     return carbody_fmu(data)
 
 
-def known_fmu(dataset: Responses) -> Path | None:
-    """The FMU of a run's carbody, where it is made of modal data and was kept."""
-    path = _kept(dataset).with_suffix(".fmu")
-    return path if path.exists() else None
-
-
 def carbody_of(dataset: Responses) -> ModalData | None:
     """Modal data of a run's carbody; None for the default one, or where they are not known here."""
-    path = _kept(dataset).with_suffix(".toml")
+    path = place_of(dataset, layout_of(dataset).carbody).with_suffix(".toml")
     try:
         return read_modal_data(path) if path.exists() else None
     except ParameterError:
         return None
-
-
-def _kept(dataset: Responses) -> Path:
-    """Where its carbody is kept, without the suffix."""
-    given = Provenance.of(dataset).fmus.get(layout_of(dataset).carbody, {})
-    return KNOWN / str(given.get("sha256", "none"))
 
 
 def _weight(system: System, data: ModalData) -> list[str]:

@@ -14,6 +14,7 @@ from orchestrator import System, in_unit
 
 from .changes import swapped
 from .hopper import layout_of
+from .kept import keep
 
 SPACING_TOLERANCE = 0.02
 """Part by which the contacts may be elsewhere than the trucks have them before it is said."""
@@ -46,6 +47,7 @@ def with_profiles(system: System, pair: ContactTable | Path) -> tuple[System, li
     The FMU is built when it is first asked for. Raises HopperError, fmus.ParameterError.
     """
     table, fmu = (of_fmu(pair), pair) if isinstance(pair, Path) else (pair, wheelrail_fmu(pair))
+    keep(fmu)
     layout = layout_of(system)
     wheelsets = [w for truck in layout.trucks for w in truck.wheelsets]
     notes = [f"profiles {table.name}: {'; '.join(table.said)}"]

@@ -1,0 +1,32 @@
+"""FMUs of this user's own parts, kept by their hash: so that a run's are found again."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import platformdirs
+
+from orchestrator import Provenance, Responses, describe
+
+FOLDER = platformdirs.user_cache_path("tracktrain") / "parts"
+"""What ran here, by the SHA-256 of the FMU."""
+
+
+def keep(fmu: Path) -> Path:
+    """Keep an FMU; returns where, without the suffix."""
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    place = FOLDER / describe(fmu).sha256
+    shutil.copyfile(fmu, place.with_suffix(".fmu"))
+    return place
+
+
+def place_of(dataset: Responses, instance: str) -> Path:
+    """Where the FMU of an instance of a run is, if it was kept, without the suffix."""
+    return FOLDER / str(Provenance.of(dataset).fmus.get(instance, {}).get("sha256", "none"))
+
+
+def kept_fmu(dataset: Responses, instance: str) -> Path | None:
+    """The FMU of an instance of a run, where it was kept."""
+    path = place_of(dataset, instance).with_suffix(".fmu")
+    return path if path.exists() else None
