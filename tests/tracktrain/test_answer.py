@@ -92,4 +92,4 @@ def test_the_numbers_of_a_run_have_a_band_and_what_to_measure():
     assert said.level is Level.DOUBTFUL
     assert "77 numbers of the empty car have a range" in said.text
     assert "most by conicity" in said.text and "whether it hunts at this speed is open" in said.text
-    assert "1 number of this run is another" in said.text
+    assert "the run changes 1 number" in said.text

@@ -44,8 +44,8 @@ def of_numbers(dataset: Responses) -> tuple[Level, str]:
     if speed is not None and low < speed < high:
         text += "; whether it hunts at this speed is open"
     if changed:
-        what = "number of this run is another" if changed == 1 else "numbers of this run are others"
-        text += f"; {changed} {what}, which the band does not know"
+        what = "number" if changed == 1 else "numbers"
+        text += f"; the run changes {changed} {what}, and the band was computed without that"
     return Level.DOUBTFUL, f"{text}; {TODO}."
 
 
