@@ -9,11 +9,12 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from orchestrator import Provenance
+from fmus.catalogue import fmu_path
+from fmus.names import NAMES
+from orchestrator import Provenance, describe
 
 from ..car.hopper import layout_of
 from ..car.layout import Shown
-from ..report.content import parameter_units
 
 SETTINGS = ("master", "step", "start", "every", "fmu_tolerance", "stopped")
 """Attributes of a dataset that say how it was run."""
@@ -88,10 +89,9 @@ def _said(dataset: xr.Dataset) -> dict[tuple[str, str, str], Any]:
     said: dict[tuple[str, str, str], Any] = {}
     for full, value in given.parameters.items():
         instance, _, name = full.partition(".")
-        block = blocks.get(instance)
-        unit = parameter_units(block).get(name, "") if block else ""
+        unit, word = _as_its_block_has_it(blocks.get(instance, ""), name, value)
         shown = f"{name} [{unit}]" if unit not in ("", "1") else name
-        said["parameter", shown, instance] = value
+        said["parameter", shown, instance] = word
     for name in SETTINGS:
         if name in dataset.attrs:
             said["setting", name, ""] = dataset.attrs[name]
@@ -104,6 +104,15 @@ def _said(dataset: xr.Dataset) -> dict[tuple[str, str, str], Any]:
     for package, version in given.versions.items():
         said["version", package, ""] = version
     return said
+
+
+def _as_its_block_has_it(block: str, name: str, value: Any) -> tuple[str, Any]:
+    """The unit of a value, and the word for a number that stands for one."""
+    variable = describe(fmu_path(block)).variables.get(name) if block in NAMES else None
+    if variable is None:
+        return "", value
+    words = {float(number): word for word, number in variable.items.items()}
+    return variable.unit or "", words.get(value, value)
 
 
 def _text(value: Any) -> str:

@@ -10,6 +10,8 @@ import pytest
 import xarray as xr
 from click.testing import CliRunner
 
+from orchestrator import simulate
+from tracktrain.car.hopper import hopper_car
 from tracktrain.cli.main import main
 from tracktrain.comparison import compare, write_comparison
 from tracktrain.comparison.differences import differences
@@ -49,6 +51,14 @@ def test_a_parameter_that_only_one_run_has_differs(tmp_path: Path) -> None:
     runs = {"a": xr.Dataset(coords={"time": TIME}), "b": xr.Dataset(coords={"time": TIME})}
     runs["b"].attrs["parameters"] = json.dumps({"pump.mass": 2.0})
     assert differences(runs).loc[("parameter", "mass", "pump")].tolist() == ["-", "2"]
+
+
+def test_a_tracks_spectrum_differs_by_its_name_and_the_speed_has_its_unit() -> None:
+    cars = [hopper_car("loaded", speed, track) for speed, track in ((10.0, "fra4"), (12.0, "fra5"))]
+    runs = {f"{n}": simulate(car, duration=0.01, step=1e-3).dataset for n, car in enumerate(cars)}
+    found = differences(runs)
+    assert found.loc[("parameter", "spectrum", "track")].tolist() == ["fra4", "fra5"]
+    assert found.loc[("parameter", "speed [m/s]", "track")].tolist() == ["10", "12"]
 
 
 def test_numbers_stand_side_by_side_in_units_that_suit(tmp_path: Path) -> None:
