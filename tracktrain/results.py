@@ -21,8 +21,21 @@ BONDS = "bonds.csv"
 NAME, RELATIVE = "bond", "residual over passed"
 COLUMNS = (NAME, "passed [J]", "residual [J]", RELATIVE)
 
+LATER = ("report.html", "assessment.csv", "sections.csv", "results.csv")
+"""What commands write beside the results of a run when they are asked to."""
+
 Bond = dict[str, Any]
 """A bond's name and numbers by `COLUMNS`."""
+
+
+def clear_earlier(folder: Path) -> list[str]:
+    """Remove what was written of an earlier run in a folder; a note that names it, if any was."""
+    found = [name for name in LATER if (folder / name).exists()]
+    for name in found:
+        (folder / name).unlink()
+    if not found:
+        return []
+    return [f"{', '.join(found)} in {folder} were of the run before, and are removed"]
 
 
 def opened(folder: Path) -> xr.Dataset:

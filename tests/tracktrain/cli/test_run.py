@@ -176,3 +176,16 @@ def test_speed_may_be_given_in_any_unit(tmp_path: Path) -> None:
     with xr.open_dataset(tmp_path / "results.nc") as dataset:
         assert dataset["wheelset_11.force_y"].size == 11
         np.testing.assert_allclose(dataset["track.speed_out"], 25.0, rtol=1e-12)
+
+
+def test_a_page_of_an_earlier_run_does_not_stay_beside_the_results_of_another(tmp_path):
+    (tmp_path / "report.html").write_text("of the run before")
+    (tmp_path / "assessment.csv").write_text("of the run before")
+    (tmp_path / "mine.txt").write_text("of the user")
+    asked = ["run", "--duration", "0.05s", "--track", "perfect", "--out", str(tmp_path)]
+    result = CliRunner().invoke(main, asked)
+    assert result.exit_code == 0, result.output
+    assert not (tmp_path / "report.html").exists() and not (tmp_path / "assessment.csv").exists()
+    assert (tmp_path / "mine.txt").exists()
+    said = " ".join(result.output.split())
+    assert "report.html, assessment.csv in" in said and "were of the run before" in said

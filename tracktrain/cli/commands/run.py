@@ -237,9 +237,11 @@ def _print_schema(ctx: click.Context) -> None:
 def _write(result: Run, folder: Path, csv: bool, page: bool) -> list[str]:
     """Write what is made of results.nc, and say what could not be."""
     from ... import plots
-    from ...results import read_bonds, write_bonds
+    from ...results import clear_earlier, read_bonds, write_bonds
 
+    notes: list[str] = []
     try:
+        notes = clear_earlier(folder)
         write_bonds(result, folder)
         plots.write_pictures(result.signals, folder)
         if page:
@@ -251,8 +253,8 @@ def _write(result: Run, folder: Path, csv: bool, page: bool) -> list[str]:
     except OSError as error:
         if result.completed:
             raise
-        return [f"not all pictures and tables could be written: {error}"]
-    return []
+        return [*notes, f"not all pictures and tables could be written: {error}"]
+    return notes
 
 
 def _idle(
