@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from orchestrator import Level, Verdict, simulate
-from tracktrain import hopper_car
+from tracktrain import answer, hopper_car
 from tracktrain.answer import counted, parts
 from tracktrain.answer.standing import Standing
 from tracktrain.scales import FOOT
@@ -74,6 +74,17 @@ def test_settling_leaves_the_transient_out():
     decaying = run_of() + run_of(rate=-1.0, amplitude=0.05)
     assert 2.0 < float(counted(decaying, None, settle=True).time[0]) < 20.0
     assert float(counted(decaying, 30.0, settle=True).time[0]) == pytest.approx(30.0)
+
+
+def test_a_run_that_is_over_before_its_hunting_has_grown_is_too_short(monkeypatch):
+    def grows(rate: float) -> Standing:
+        return Standing(60 * FOOT, 55 * FOOT, rate, "lateral", 0.76, ())
+
+    span = float(run_of().time[-1])
+    monkeypatch.setattr(answer, "_is_car", lambda dataset: True)
+    for rate, said in ((5.0 / span, "run at least"), (20.0 / span, "Settled")):
+        monkeypatch.setattr(answer, "standing", lambda dataset, rate=rate: grows(rate))
+        assert said in answer_of(run_of())
 
 
 def test_above_the_critical_speed_is_said_with_the_time_to_grow_tenfold():

@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import ceil
 
+import numpy as np
+
 from orchestrator import Level, Responses, Settling, State, Verdict, from_time, settling
 
 from ..car.hopper import layout_of
@@ -17,6 +19,9 @@ from ..events import DERAILMENT, Event, events, nadal_rule
 from ..quantities import MOST
 from .numbers import of_numbers
 from .standing import Standing, standing
+
+LONG = 600.0
+"""The longest run that is asked for, however slowly a mode grows [s]."""
 
 ORDER = [Level.BAD, Level.DOUBTFUL, Level.UNKNOWN, Level.GOOD]
 
@@ -86,7 +91,7 @@ def _is_car(dataset: Responses) -> bool:
 
 def _answer(dataset: Responses) -> Part:
     found, stands = moving(dataset), standing(dataset)
-    level, text = _settled(found, stands)
+    level, text = _settled(found, stands, float(np.ptp(dataset["time"].values)))
     if not _is_car(dataset):
         return Part("answer", level, text)
     if stands is None:
@@ -94,7 +99,8 @@ def _answer(dataset: Responses) -> Part:
     return Part("answer", level, f"{text} {_capital(str(stands))}.")
 
 
-def _settled(found: dict[str, Settling], stands: Standing | None) -> tuple[Level, str]:
+def _settled(found: dict[str, Settling], stands: Standing | None, span: float) -> tuple[Level, str]:
+    """span: of the run [s]."""
     alive = {label: s for label, s in found.items() if s.state is not State.STILL}
     still = [label for label in found if label not in alive]
     more = f" Not excited: {', '.join(still)}." if still else ""
@@ -104,19 +110,20 @@ def _settled(found: dict[str, Settling], stands: Standing | None) -> tuple[Level
         return Level.BAD, f"The motion grew beyond all numbers; see the coupling.{more}"
     growth = max((s.rate, s.growth) for s in alive.values())[1]
     unsettled = {k: s for k, s in alive.items() if s.state is not State.SETTLED}
-    if not unsettled:
-        return Level.GOOD, f"Settled: statistics mean something.{more}"
-    needed = max(s.needed for s in unsettled.values())
-    states = {s.state for s in unsettled.values()}
     above = stands is not None and stands.above
-    if above and stands is not None:
-        needed = max(needed, min(10.0 / stands.growth, 600.0))
+    grown = min(10.0 / stands.growth, LONG) if stands is not None and above else 0.0
+    if not unsettled and span >= grown:
+        return Level.GOOD, f"Settled: statistics mean something.{more}"
+    needed = max(grown, *(s.needed for s in unsettled.values())) if unsettled else grown
+    states = {s.state for s in unsettled.values()}
     todo = f"run at least {_rounded(needed)} s, and leave out the transient (--settle)"
     if State.GROWING in states or (above and growth > 1.0):
         said = f"grew {growth:.2g} times from the first half to the second"
         return Level.DOUBTFUL, f"Not settled: {said}; {todo}.{more}"
     if State.DECAYING in states:
         return Level.DOUBTFUL, f"Not settled: {', '.join(unsettled)} decays; {todo}.{more}"
+    if not unsettled:
+        return Level.DOUBTFUL, f"Too short for what grows to grow; {todo}.{more}"
     return Level.DOUBTFUL, f"Too short for statistics of {', '.join(unsettled)}; {todo}.{more}"
 
 
