@@ -21,6 +21,9 @@ BONDS = "bonds.csv"
 NAME, RELATIVE = "bond", "residual over passed"
 COLUMNS = (NAME, "passed [J]", "residual [J]", RELATIVE)
 
+STEADY = 0.05
+"""Part of the speed by which it may vary in a run at one speed."""
+
 LATER = ("report.html", "assessment.csv", "sections.csv", "results.csv")
 """What commands write beside the results of a run when they are asked to."""
 
@@ -85,6 +88,15 @@ def mean_speed(dataset: Responses) -> float | None:
     """Mean speed of the car in a run [m/s]; None where the run does not have it."""
     name = layout_of(dataset).speed
     return float(np.mean(dataset[name].values)) if name in dataset else None
+
+
+def speeds(dataset: Responses) -> tuple[float, float] | None:
+    """First and last speed of the car in a run [m/s], where it does not keep one within 5 %."""
+    name = layout_of(dataset).speed
+    values = dataset[name].values if name in dataset else np.ones(1)
+    if np.ptp(values) <= STEADY * np.abs(values).max():
+        return None
+    return float(values[0]), float(values[-1])
 
 
 def write_bonds(run: Run, folder: Path) -> None:

@@ -104,3 +104,13 @@ def test_the_numbers_of_a_run_have_a_band_and_what_to_measure():
     assert "77 numbers of the empty car have a range" in said.text
     assert "most by conicity" in said.text and "whether it hunts at this speed is open" in said.text
     assert "the run changes 1 number" in said.text
+
+
+def test_a_run_whose_speed_changes_is_not_judged_as_one_at_a_speed():
+    dataset = run_of()
+    fast, slow = 80 * FOOT, 20 * FOOT
+    along = np.linspace(fast, slow, dataset.time.size)
+    dataset["track.speed_out"] = ("time", along, {"units": "m/s"})
+    said = answer_of(dataset)
+    assert "from 80 ft/s (54.5 mph) to 20 ft/s (13.6 mph)" in said
+    assert "run at least" not in said

@@ -17,8 +17,9 @@ from ..car.hopper import layout_of
 from ..car.validity import Range, range_of
 from ..events import DERAILMENT, Event, events, nadal_rule
 from ..quantities import MOST
+from ..results import speeds
 from .numbers import of_numbers
-from .standing import Standing, standing
+from .standing import Standing, speed_text, standing
 
 LONG = 600.0
 """The longest run that is asked for, however slowly a mode grows [s]."""
@@ -90,6 +91,8 @@ def _is_car(dataset: Responses) -> bool:
 
 
 def _answer(dataset: Responses) -> Part:
+    if (ends := speeds(dataset)) is not None and _is_car(dataset):
+        return Part("answer", Level.UNKNOWN, _under_way(*ends, standing(dataset)))
     found, stands = moving(dataset), standing(dataset)
     level, text = _settled(found, stands, float(np.ptp(dataset["time"].values)))
     if not _is_car(dataset):
@@ -97,6 +100,20 @@ def _answer(dataset: Responses) -> Part:
     if stands is None:
         return Part("answer", level, f"{text} The linear car of this run is not known.")
     return Part("answer", level, f"{text} {_capital(str(stands))}.")
+
+
+def _under_way(first: float, last: float, stands: Standing | None) -> str:
+    """Of a run whose speed [m/s] changes."""
+    said = (
+        f"The speed goes from {speed_text(first)} to {speed_text(last)}, so that statistics of the "
+        "whole are of no speed; look at the motion over time"
+    )
+    critical = stands.critical if stands is not None else None
+    if critical is None:
+        return f"{said}."
+    passed = min(first, last) < critical < max(first, last)
+    where = "on the way it passes" if passed else "it does not pass"
+    return f"{said}; {where} the critical speed of the linear car, {speed_text(critical)}."
 
 
 def _settled(found: dict[str, Settling], stands: Standing | None, span: float) -> tuple[Level, str]:

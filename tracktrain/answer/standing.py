@@ -55,16 +55,16 @@ class Standing:
 
     def __str__(self) -> str:
         critical = (
-            f"no critical speed of the linear car up to {_speed(HIGHEST)}"
+            f"no critical speed of the linear car up to {speed_text(HIGHEST)}"
             if self.critical is None
-            else f"critical speed of the linear car {_speed(self.critical)}"
+            else f"critical speed of the linear car {speed_text(self.critical)}"
         )
         if not self.above:
-            where = f"{_speed(self.speed)} is below the critical speed" if self.critical else ""
+            where = f"{speed_text(self.speed)} is below the critical speed" if self.critical else ""
             said = f"{where or critical}" + (f"; {critical}" if where else "")
         else:
             said = (
-                f"{_speed(self.speed)} is above the critical speed: the mode `{self.mode}` "
+                f"{speed_text(self.speed)} is above the critical speed: the mode `{self.mode}` "
                 f"({self.frequency:.2f} Hz) grows by {self.growth:.2g} 1/s, tenfold in "
                 f"{self.tenfold:.2g} s; {critical}"
             )
@@ -158,5 +158,6 @@ def _swapped(dataset: Responses, layout: Layout) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _speed(speed: float) -> str:
+def speed_text(speed: float) -> str:
+    """In the units of the report and of the field."""
     return f"{speed / FOOT:.3g} ft/s ({speed / MILE_PER_HOUR:.3g} mph)"
