@@ -115,6 +115,8 @@ def plot_track(dataset: Responses) -> Figure:
     drawn = [curve for curve in channels if np.any(np.abs(curve.values) > 0.0)]
     distance = _values(dataset, layout.distance)
     title = "Track under the leading axle of the front truck"
+    if (line := f"{layout.track}.curvature") in dataset and np.any(_values(dataset, line)):
+        title = "Rails under the leading axle in the car's frame, curves and cant included"
     title = _with_speed(title if drawn else f"{title}: perfect", dataset)
     size = Size(top=0.8, title=ABOVE)
     panels = _panels(distance, "distance run [m]", drawn or channels[:1], title, size)

@@ -78,7 +78,7 @@ def length_of(elements: Sequence[Element]) -> float:
 
 
 def with_layout(track: TrackData, elements: Sequence[Element], name: str) -> TrackData:
-    """The track along the line of the elements, from its first station on; straight behind them.
+    """The track along the line of the elements, from its first station on; behind them as it ends.
 
     Raises GeometryError for a track that has a line already.
     """
@@ -126,12 +126,13 @@ def _averaged(
     )])  # fmt: skip
 
     def integral(s: np.ndarray) -> np.ndarray:
+        beyond = np.maximum(s - ends[-1], 0.0) * values[-1][1] + np.minimum(s, 0.0) * values[0][0]
         s = np.clip(s, 0.0, ends[-1])
         i = np.clip(np.searchsorted(ends, s, side="right") - 1, 0, len(elements) - 1)
         first, last = np.array(values)[i].T
         into = s - ends[i]
         lengths = np.array([e.length for e in elements])[i]
-        return areas[i] + first * into + (last - first) * into**2 / (2 * lengths)
+        return areas[i] + first * into + (last - first) * into**2 / (2 * lengths) + beyond
 
     half = ROUNDING / 2
     return (integral(at + half) - integral(at - half)) / ROUNDING

@@ -14,7 +14,7 @@ from tracktrain.car.hopper import hopper_car
 from tracktrain.car.track import on_layout, track_data, with_track
 from tracktrain.cli.main import main
 from tracktrain.geometry.errors import GeometryError
-from tracktrain.geometry.layout import length_of, read_layout, with_layout
+from tracktrain.geometry.layout import Element, length_of, read_layout, with_layout
 from tracktrain.geometry.making import empty
 from tracktrain.geometry.sections import sections
 
@@ -198,3 +198,10 @@ def test_a_truck_without_ports_of_curves_runs_in_one_and_it_is_said(file, tmp_pa
     targets = {connection.target for connection in swap.connections}
     assert "truck_rear.frame.ay" not in targets
     assert {"truck_front.frame.ay", "carbody.frame.ay", "wheelset_22.path_yaw"} <= targets
+
+
+def test_a_line_goes_on_beyond_its_ends_as_it_begins_and_ends():
+    curve = Element("curve", 100.0, 1 / 600.0, 0.05)
+    line = with_layout(empty("bent", 100.0, 0.25), [curve], "bent").line
+    assert line is not None
+    assert line[0] == pytest.approx(1 / 600.0) and line[1] == pytest.approx(-0.05)
