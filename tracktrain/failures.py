@@ -104,6 +104,8 @@ def _told(error: OSError) -> str:
         "environment variable TMPDIR",
         errno.EACCES: "choose a folder that may be written to",
         errno.EROFS: "choose a folder that may be written to",
+        errno.EEXIST: "a file stands where a folder has to be; choose another folder",
+        errno.ENOTDIR: "a file stands where a folder has to be; choose another folder",
     }.get(error.errno or 0)
     if error.errno == errno.ENOENT and not error.filename:  # no folder for temporary files works
         advice = "name one that can be written to in the environment variable TMPDIR"

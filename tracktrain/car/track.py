@@ -104,18 +104,21 @@ def time_over(system: System, data: TrackData) -> float:
     return (data.last - start) / in_unit(track.get("speed", 0.0), "m/s", "speed")
 
 
-def check_length(system: System, data: TrackData, file: Path | str) -> None:
-    """Raise GeometryError for a run of the system that is longer than the track."""
+def check_length(system: System, data: TrackData, told: str) -> None:
+    """Raise GeometryError for a run of the system that is longer than the track, by what it is."""
     instance = layout_of(system).track
     component = system.components[instance]
     start = in_unit(component.parameters.get(START, data.first), "m", START)
     needed = _travelled(system, instance)
     room = data.last - start
     if needed > room + 1e-6 * data.length:
+        ways = [f"a longer {told.split()[1]}", "a shorter --duration"]
+        if start > data.first:
+            ways.append(f"an earlier --set {instance}.{START}")
         raise GeometryError(
-            f"the track '{file}' ends at station {data.last:.6g} m, {room:.6g} m from where the "
-            f"run starts ({start:.6g} m), and the run is {needed:.6g} m long; give a longer track, "
-            f"a shorter --duration, or an earlier --set {instance}.{START}"
+            f"{told} ends at station {data.last:.6g} m, {room:.6g} m from where the "
+            f"run starts ({start:.6g} m), and the run is {needed:.6g} m long; give "
+            f"{', '.join(ways[:-1])} or {ways[-1]}"
         )
 
 

@@ -84,8 +84,8 @@ def with_layout(track: TrackData, elements: Sequence[Element], name: str) -> Tra
     """
     if track.line is not None:
         raise GeometryError(
-            f"the track {track.name} has a column curvature of its own; leave out --layout, or "
-            "that column"
+            f"the track {track.name} has a curvature of its own; leave out --layout, or give a "
+            "track without curvature"
         )
     ends = np.cumsum([0.0, *(element.length for element in elements)])
     at = track.stations - track.first

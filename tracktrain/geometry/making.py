@@ -58,7 +58,7 @@ def with_spectrum(
     """The track with the irregularities of a spectrum: of the block's, of `NAMES`, or of a table.
 
     waves: shortest and longest [m]; without, those of the parameter set or the whole table. Raises
-    GeometryError.
+    GeometryError, also where the stations are too far apart for the shortest.
     """
     said: tuple[str, ...] = ()
     if spectrum in DRAWN:
@@ -73,6 +73,7 @@ def with_spectrum(
                 f"there is no spectrum '{spectrum}'; {choices(spectrum, KNOWN)}; or name a table"
             )
         band, said = waves or found.band, found.said
+        _check_spacing(track, band)
         added = found.realisation(track.stations - track.first, seed, band)
     note = f"spectrum {spectrum}, seed {seed}, waves of {band[0]:.4g} to {band[1]:.4g} m"
     return _with(track, added, (note, *said))
@@ -99,6 +100,15 @@ def _with(track: TrackData, added: Array, said: Sequence[str]) -> TrackData:
     return replace(track, values=track.values + added, said=(*track.said, *said))
 
 
+def _check_spacing(track: TrackData, band: Band) -> None:
+    """Raise GeometryError where stations would show the shortest wave as a longer one."""
+    if 2.0 * track.spacing >= band[0]:
+        raise GeometryError(
+            f"stations {track.spacing:.4g} m apart cannot hold waves down to {band[0]:.4g} m; make "
+            f"the track with --spacing below {band[0] / 2:.4g} m, or with longer --waves"
+        )
+
+
 def _drawn(track: TrackData, spectrum: str, seed: int, waves: Band | None) -> tuple[Array, Band]:
     """As the track block draws it, and the band of it."""
     name = spectrum.replace("-", "_")
@@ -108,9 +118,10 @@ def _drawn(track: TrackData, spectrum: str, seed: int, waves: Band | None) -> tu
         raise GeometryError(f"the spectrum {spectrum} has waves of its own; leave out --waves")
     if waves is not None:
         values["wavelength_min"], values["wavelength_max"] = waves
+    frequency = lines(values)["alignment"][0]
+    band = waves or (1 / float(frequency.max()), 1 / float(frequency.min()))
+    _check_spacing(track, band)
     made = realisation(values, track.length + 1.0)
     nodes = np.array([made[channel].values for channel in CHANNELS])
     fine = TrackData(spectrum, 0.0, float(made.station[1]), nodes)
-    frequency = lines(values)["alignment"][0]
-    band = waves or (1 / float(frequency.max()), 1 / float(frequency.min()))
     return fine.spline(track.stations - track.first), band

@@ -188,7 +188,8 @@ def chosen_car(shape: Shape) -> System:
         end = time_over(system, stations)
         system = replace(system, experiment=Experiment(0.0, end - end % STEP, STEP))
     system = _timed(system, shape)
-    check_length(system, stations, shape.layout or shape.track)
+    kind = "track" if shape.layout is None else "layout"
+    check_length(system, stations, f"the {kind} '{shape.layout or shape.track}'")
     return system
 
 

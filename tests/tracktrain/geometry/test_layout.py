@@ -100,7 +100,7 @@ def test_a_made_file_carries_its_line(file, tmp_path):
     )
     assert done.exit_code == 0, done.output
     np.testing.assert_array_equal(track_data(out).line, laid(file(TOML), 0.1).line)
-    with pytest.raises(GeometryError, match="column curvature of its own"):
+    with pytest.raises(GeometryError, match="curvature of its own"):
         on_layout(layout, str(out))
 
 

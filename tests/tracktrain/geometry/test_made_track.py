@@ -193,6 +193,12 @@ def test_a_drawn_track_of_another_spacing_is_the_same_track():
     assert fine.values[0].std() > 1e-4
 
 
+@pytest.mark.parametrize(("spacing", "waves"), [(100.0, None), (0.1, (1e-3, 2e-3))])
+def test_waves_shorter_than_two_spacings_are_refused(spacing, waves):
+    with pytest.raises(GeometryError, match=f"{spacing:g} m apart .*--spacing below .*--waves"):
+        with_spectrum(empty("t", 10 * spacing, spacing), "fra5", waves=waves)
+
+
 def test_make_writes_what_run_and_inspect_read(tmp_path):
     path = tmp_path / "made.csv"
     arguments = [

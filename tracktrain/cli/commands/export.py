@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -104,6 +106,9 @@ def command(
 def _one_fmu(system: System, file: Path, fmi: str, targets: tuple[str, ...]) -> Path:
     from ...one_fmu import build_one_fmu
 
-    click.echo("compiling the car, some ten seconds", err=True)
+    file.parent.mkdir(parents=True, exist_ok=True)
+    if not os.access(file.parent, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(file.parent))
+    click.echo("compiling the car, about a minute", err=True)
     path, _ = build_one_fmu(system, file, fmi=fmi, platforms=targets)
     return path

@@ -16,7 +16,7 @@ KINDS = (".png", ".svg", ".pdf")
     epilog="""\b
 Examples:
   tracktrain plot tracktrain-results
-  tracktrain plot tracktrain-results --of "wheelset_*.force_y" --over distance
+  tracktrain plot tracktrain-results --of "wheelset_??.force_y" --over distance
   tracktrain plot tracktrain-results --of "lateral force in lbf" --of "carbody cg ay in g_0"
   tracktrain plot loaded empty --of carbody.front.ay --spectrum
   tracktrain plot tracktrain-results --of wheelset_11.force_y --over wheelset_11.y_rel"""

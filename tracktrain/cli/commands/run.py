@@ -193,7 +193,8 @@ def command(
             lost += _idle(result, system, file, ssd, shape, settings)
     if result.completed:
         shutil.rmtree(folder / FMUS_OF_CHECKPOINT, ignore_errors=True)
-    _judge(result, counting, folder, lost, JSON if as_json else NOTHING if quiet else TEXT)
+    form = JSON if as_json else NOTHING if quiet else TEXT
+    _judge(result, counting, folder, lost, form, how["real_time"] is not None)
     if not result.completed:
         raise _stopped(result, folder, bool(how["checkpoint"] or resume))
 
@@ -277,8 +278,13 @@ def _idle(
     return idle(result, system, shape.settings, without, {**same, "self_test": False})
 
 
-def _judge(result: Run, counting: Counting, folder: Path, lost: list[str], form: str) -> None:
-    """Say the verdict in parts in the results, and with the statistics at the end, in a form."""
+def _judge(
+    result: Run, counting: Counting, folder: Path, lost: list[str], form: str, paced: bool
+) -> None:
+    """Say the verdict in parts in the results, and with the statistics at the end, in a form.
+
+    paced: whether the run waited for real time.
+    """
     from ...answer import parts
     from ...car import curving, slip
     from ...events import events
@@ -309,7 +315,7 @@ def _judge(result: Run, counting: Counting, folder: Path, lost: list[str], form:
     if form != TEXT:
         return
     console = Console()
-    print_summary(console, result, dataset)
+    print_summary(console, result, dataset, paced)
     print_events(console, found)
     for note in [*result.notes, *lost]:
         console.print(f"note: {note}", style="dim", markup=False, highlight=False)
