@@ -8,6 +8,7 @@ import click
 
 from fmus.names import CAR, FMI_VERSIONS, NAMES
 
+from ...options.fmu import target_option
 from ...options.types import Name
 from ...terminal import writable
 
@@ -23,15 +24,7 @@ Examples:
   tracktrain build --flavor python"""
 )
 @click.argument("blocks", nargs=-1, type=Name("block", NAMES), metavar="[BLOCK]...")
-@click.option(
-    "--target",
-    "targets",
-    multiple=True,
-    default=("host",),
-    metavar="TARGET",
-    help="Platform whose binaries the FMUs hold: host, all, linux-x86_64, linux-aarch64, "
-    "windows-x86_64, macos-x86_64 or macos-arm64. Repeatable.  [default: host]",
-)
+@target_option()
 @click.option(
     "--fmi",
     "versions",

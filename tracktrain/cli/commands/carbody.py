@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fmus.names import FMI_VERSIONS
-
 from ...car.hopper import vehicle
 from ...errors import TracktrainError
 from ...options.car import car_option
+from ...options.fmu import fmi_option, target_option
 from ...options.types import Quantity
 from ...terminal import writable
 
@@ -47,21 +46,11 @@ Examples:
     metavar="FILE",
     help="FMU to write.  [default: the name of MODES with .fmu]",
 )
-@click.option(
-    "--fmi",
-    type=click.Choice((*FMI_VERSIONS, "python")),
-    default="2.0",
-    show_default=True,
-    help="Version; python is Python sources to read and to change, of FMI 2.0.",
+@fmi_option(
+    "python",
+    meaning="Version; python is Python sources to read and to change, of FMI 2.0.",
 )
-@click.option(
-    "--target",
-    "targets",
-    multiple=True,
-    default=("host",),
-    metavar="TARGET",
-    help="Platform whose binaries the FMU holds, as for `tracktrain build`. Repeatable.",
-)
+@target_option()
 @car_option()
 @click.option(
     "--modes",

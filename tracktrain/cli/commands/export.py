@@ -11,10 +11,10 @@ import click
 from click.core import ParameterSource
 
 import orchestrator
-from fmus.names import FMI_VERSIONS
 
 from ...errors import TracktrainError
 from ...options.chosen import Shape, chosen_car, refuse_idle_options, system_options
+from ...options.fmu import fmi_option, target_option
 from ...options.types import Name
 
 if TYPE_CHECKING:
@@ -47,22 +47,8 @@ Examples:
     help="Leave out values that the FMUs start with anyway. libcosim and ecos cannot read "
     "enumerations such as a creep law; unless changed, these are left out then.",
 )
-@click.option(
-    "--fmi",
-    type=click.Choice(FMI_VERSIONS),
-    default="2.0",
-    show_default=True,
-    help="Version of FMI of one FMU.",
-)
-@click.option(
-    "--target",
-    "targets",
-    multiple=True,
-    default=("host",),
-    metavar="TARGET",
-    help="Platform whose binaries one FMU holds, as `tracktrain build` has them. Repeatable.  "
-    "[default: host]",
-)
+@fmi_option(meaning="Version of FMI of one FMU.")
+@target_option()
 @system_options
 @click.pass_context
 def command(

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from ....options.fmu import target_option
 from ....terminal import writable
 
 
@@ -24,15 +25,7 @@ Examples:
     metavar="DIR",
     help="Folder to write to.  [default: here]",
 )
-@click.option(
-    "--target",
-    "targets",
-    multiple=True,
-    default=("host",),
-    metavar="TARGET",
-    help="Platform whose binaries the FMU holds, as in tracktrain build. Repeatable.  "
-    "[default: host]",
-)
+@target_option()
 def command(project: Path, out: Path, targets: tuple[str, ...]) -> None:
     """Make an FMU of a model in plain Python: of a file, or of the folder of the same name.
 

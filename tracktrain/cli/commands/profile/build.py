@@ -7,8 +7,7 @@ from typing import Any
 
 import click
 
-from fmus.names import FMI_VERSIONS
-
+from ....options.fmu import fmi_option, target_option
 from ....options.profiles import pairing_options
 from ....terminal import writable
 
@@ -29,15 +28,8 @@ Examples:
     metavar="FILE",
     help="FMU to write.  [default: WHEEL_RAIL.fmu]",
 )
-@click.option("--fmi", type=click.Choice(FMI_VERSIONS), default="2.0", show_default=True)
-@click.option(
-    "--target",
-    "targets",
-    multiple=True,
-    default=("host",),
-    metavar="TARGET",
-    help="Platform whose binaries the FMU holds, as for `tracktrain build`. Repeatable.",
-)
+@fmi_option()
+@target_option()
 @pairing_options()
 def command(
     wheel: str, rail: str, out: Path | None, fmi: str, targets: tuple[str, ...], **pairing: Any

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import click
 
-from fmus.names import FMI_VERSIONS
-
 from ....options.car import layout_option, say_option
+from ....options.fmu import fmi_option, target_option
 from ....terminal import writable
 
 
@@ -26,15 +25,8 @@ Examples:
     metavar="FILE",
     help="FMU to write.  [default: the name of FILE with .fmu]",
 )
-@click.option("--fmi", type=click.Choice(FMI_VERSIONS), default="2.0", show_default=True)
-@click.option(
-    "--target",
-    "targets",
-    multiple=True,
-    default=("host",),
-    metavar="TARGET",
-    help="Platform whose binaries the FMU holds, as for `tracktrain build`. Repeatable.",
-)
+@fmi_option()
+@target_option()
 @say_option()
 @layout_option(run=False)
 def command(
