@@ -68,7 +68,7 @@ class Said:
         taken: dict[str, Any] = {}
         for key, (value, place) in given.items():
             if key in WORDS:
-                taken[key] = _word(key, value, place)
+                taken[key] = word(key, value, place, WORDS[key])
             elif key in LENGTHS:
                 taken[key] = _length(key, value, place)
             elif key.endswith(("positive", "chord", "gauge", "gap", "wave")):
@@ -76,23 +76,24 @@ class Said:
         return cls(**taken)
 
 
-def typed(options: Sequence[str]) -> Given:
-    """`key=value` of a command line; raises GeometryError for what is not so."""
+def typed(options: Sequence[str], keys: Sequence[str] = KEYS) -> Given:
+    """`key=value` of a command line, by keys there are; raises GeometryError for what is not so."""
     found = {}
     for text in options:
         key, equals, value = text.partition("=")
         key = "_".join(key.strip().lower().replace("-", " ").split())
-        if not equals or key not in KEYS:
-            raise GeometryError(f"--say '{text}' cannot be read; {choices(key, KEYS)}")
+        if not equals or key not in keys:
+            raise GeometryError(f"--say '{text}' cannot be read; {choices(key, keys)}")
         found[key] = (value.strip(), f"--say {text}")
     return found
 
 
-def _word(key: str, value: str, place: str) -> str:
+def word(key: str, value: str, place: str, words: Sequence[str]) -> str:
+    """One of the words that a key may have; raises GeometryError."""
     plain = " ".join(value.lower().replace("_", " ").split())
-    if plain not in WORDS[key]:
+    if plain not in words:
         raise GeometryError(
-            f"{place}: {key.replace('_', ' ')} is '{value}'; say {' or '.join(WORDS[key])}"
+            f"{place}: {key.replace('_', ' ')} is '{value}'; say {' or '.join(words)}"
         )
     return plain
 

@@ -14,7 +14,7 @@ from fmus.profiles.shapes import drawn, shape, shapes
 from orchestrator import DimensionError, Quantity, UnitError, choices
 
 from ..geometry.errors import GeometryError
-from ..geometry.said import Given
+from ..geometry.said import Given, typed, word
 from ..geometry.table import read_text
 from .formats import Drawn, read_miniprof, read_plain, read_simpack
 
@@ -60,7 +60,7 @@ def profile_of(given: str | Path, says: Sequence[str] = (), kind: Kind | None = 
         )
     else:
         found, says = read_profile(path, says, kind), ()  # what is said is done there
-    told = typed(says)
+    told = typed(says, KEYS)
     if "smoothing" in told:
         found = found.smoothed(_length("smoothing", *told["smoothing"]))
     if kind is not None and found.kind != kind:
@@ -82,14 +82,14 @@ def _drawing(path: Path) -> Profile:
 def read_profile(path: Path | str, says: Sequence[str] = (), kind: Kind | None = None) -> Profile:
     """The profile in a file; kind: where neither file nor `says` tell it."""
     path = Path(path)
-    told = typed(says)
+    told = typed(says, KEYS)
     unit = _length("unit", *told["unit"]) if "unit" in told else None
     drawn = READERS[path.suffix.lower()](path.name, read_text(path, "profile"), unit)
     said = {**drawn.said, **told}
     for key in said:
         if key not in KEYS and key.startswith(("y_", "z_", "tape", "smooth", "profile")):
             raise GeometryError(f"{said[key][1]}: '{key}' is not known; {choices(key, KEYS)}")
-    words = {key: _word(key, *said[key]) for key in WORDS if key in said}
+    words = {key: word(key, *said[key], WORDS[key]) for key in WORDS if key in said}
     found = _kind(drawn, words, kind)
     notes = list(drawn.notes)
     points, lines = oriented(found, _turned(drawn, found, words, said, notes), drawn.lines)
@@ -99,18 +99,6 @@ def read_profile(path: Path | str, says: Sequence[str] = (), kind: Kind | None =
         profile = profile.smoothed(_length("smoothing", *said["smoothing"]))
     _ = profile.surface  # which refuses points that fold back
     return profile
-
-
-def typed(options: Sequence[str]) -> Given:
-    """`key=value` of a command line; raises GeometryError for what is not so."""
-    found = {}
-    for text in options:
-        key, equals, value = text.partition("=")
-        key = "_".join(key.strip().lower().replace("-", " ").split())
-        if not equals or key not in KEYS:
-            raise GeometryError(f"--say '{text}' cannot be read; {choices(key, KEYS)}")
-        found[key] = (value.strip(), f"--say {text}")
-    return found
 
 
 def _kind(drawn: Drawn, words: Mapping[str, str], kind: Kind | None) -> Kind:
@@ -192,15 +180,6 @@ def _placed(kind: Kind, points: Array) -> Array:
         return points  # which the profile refuses, and says why
     i = int(crossing[-1])
     return points - np.array([0.0, z[i] + (z[i + 1] - z[i]) * -y[i] / (y[i + 1] - y[i])])
-
-
-def _word(key: str, value: str, place: str) -> str:
-    plain = " ".join(value.lower().split())
-    if plain not in WORDS[key]:
-        raise GeometryError(
-            f"{place}: {key.replace('_', ' ')} is '{value}'; say {' or '.join(WORDS[key])}"
-        )
-    return plain
 
 
 def _length(key: str, value: str, place: str) -> float:
