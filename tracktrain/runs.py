@@ -34,10 +34,10 @@ def within(name: str, run: xr.Dataset, begin: float | None, end: float | None) -
     first, last = (float(time[0]), float(time[-1])) if len(time) else (np.nan, np.nan)
     slack = 1e-9 * max(abs(first), abs(last))
     low, high = (first if begin is None else begin), (last if end is None else end)
-    if low > high:
+    if begin is not None and end is not None and begin > end:
         raise TracktrainError(
-            f"run {name} goes from {first:g} to {last:g} s, and --from, {low:g} s, lies behind "
-            f"--to, {high:g} s; choose --from before --to, both within it"
+            f"run {name} goes from {first:g} to {last:g} s, and --from, {begin:g} s, lies behind "
+            f"--to, {end:g} s; choose --from before --to, both within it"
         )
     rows = np.flatnonzero((time >= low - slack) & (time <= high + slack))
     if len(rows) < LEAST_ROWS:
