@@ -17,7 +17,7 @@ from orchestrator import Responses
 from .car.hopper import layout_of
 from .curves import extremes
 from .panels import BOTTOM, INCH, LEFT, RIGHT, TOP, Panel, limits_of
-from .results import mean_speed
+from .results import mean_speed, speeds
 from .scales import ACCELERATION, ANGLE, DISPLACEMENT, FOOT, FORCE, MILE_PER_HOUR, Scale
 
 INK, MUTED, GRID = "#1c2733", "#6b7785", "#dfe4ea"
@@ -237,8 +237,11 @@ def _values(dataset: Responses, name: str) -> np.ndarray:
 
 
 def _with_speed(title: str, dataset: Responses) -> str:
-    """The title with the mean speed, where the dataset knows it."""
-    speed = mean_speed(dataset)
+    """The title with the speed, where the dataset knows it; with both ends of one that changes."""
+    speed, ends = mean_speed(dataset), speeds(dataset)
     if speed is None:
         return title
+    if ends is not None:
+        first, last = (v / MILE_PER_HOUR for v in ends)
+        return f"{title}, {first:.1f} to {last:.1f} mph"
     return f"{title}, {speed / MILE_PER_HOUR:.1f} mph ({speed / FOOT:.0f} ft/s)"

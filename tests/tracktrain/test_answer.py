@@ -106,7 +106,7 @@ def test_the_numbers_of_a_run_have_a_band_and_what_to_measure():
     assert "the run changes 1 number" in said.text
 
 
-def test_a_run_whose_speed_changes_is_not_judged_as_one_at_a_speed():
+def test_a_run_whose_speed_changes_is_not_judged_as_one_at_a_speed(monkeypatch):
     dataset = run_of()
     fast, slow = 80 * FOOT, 20 * FOOT
     along = np.linspace(fast, slow, dataset.time.size)
@@ -114,3 +114,8 @@ def test_a_run_whose_speed_changes_is_not_judged_as_one_at_a_speed():
     said = answer_of(dataset)
     assert "from 80 ft/s (54.5 mph) to 20 ft/s (13.6 mph)" in said
     assert "run at least" not in said
+    monkeypatch.setattr(
+        answer, "standing", lambda dataset: Standing(50 * FOOT, 50 * FOOT, 0.0, "", 0.0, ())
+    )
+    half = float(dataset.time[-1]) / 2
+    assert f"at t = {half:.3g} s it passes the critical speed" in answer_of(dataset)

@@ -92,7 +92,7 @@ def _is_car(dataset: Responses) -> bool:
 
 def _answer(dataset: Responses) -> Part:
     if (ends := speeds(dataset)) is not None and _is_car(dataset):
-        return Part("answer", Level.UNKNOWN, _under_way(*ends, standing(dataset)))
+        return Part("answer", Level.UNKNOWN, _under_way(dataset, ends, standing(dataset)))
     found, stands = moving(dataset), standing(dataset)
     level, text = _settled(found, stands, float(np.ptp(dataset["time"].values)))
     if not _is_car(dataset):
@@ -102,17 +102,19 @@ def _answer(dataset: Responses) -> Part:
     return Part("answer", level, f"{text} {_capital(str(stands))}.")
 
 
-def _under_way(first: float, last: float, stands: Standing | None) -> str:
-    """Of a run whose speed [m/s] changes."""
+def _under_way(dataset: Responses, ends: tuple[float, float], stands: Standing | None) -> str:
+    """Of a run whose speed changes; ends: first and last one [m/s]."""
     said = (
-        f"The speed goes from {speed_text(first)} to {speed_text(last)}, so that statistics of the "
-        "whole are of no speed; look at the motion over time"
+        f"The speed goes from {speed_text(ends[0])} to {speed_text(ends[1])}, so that statistics "
+        "of the whole are of no speed; look at the motion over time"
     )
     critical = stands.critical if stands is not None else None
     if critical is None:
         return f"{said}."
-    passed = min(first, last) < critical < max(first, last)
-    where = "on the way it passes" if passed else "it does not pass"
+    above = dataset[layout_of(dataset).speed].values > critical
+    passed = np.flatnonzero(above[1:] != above[:-1])
+    when = [f"{t:.3g} s" for t in dataset["time"].values[passed + 1][:3]]
+    where = f"at t = {', '.join(when)} it passes" if when else "it does not pass"
     return f"{said}; {where} the critical speed of the linear car, {speed_text(critical)}."
 
 
