@@ -9,7 +9,8 @@ from typing import Any
 import click
 from rich.console import Console
 
-from ...cli.as_json import json_option, print_json
+from ...cli.as_json import print_json
+from ...cli.outcome import outcome_options
 from ...errors import TracktrainError
 from ...terminal import print_whole, printable, progress_bar, writable
 from .outcome import Outcome
@@ -36,21 +37,12 @@ def study_command(
             deliver(outcome, folder, quiet, as_json)
 
         run.__doc__ = function.__doc__
-        command = click.command(name, epilog=epilog)(run)
-        decorators = [
-            *options,
-            click.option(
-                "--out",
-                type=click.Path(path_type=Path),
-                metavar="DIR",
-                help=f"Folder for data, tables and pictures.  [default: tracktrain-{name}]",
-            ),
-            json_option,
-            click.option("--quiet", is_flag=True, help="Print errors only."),
-        ]
-        for option in decorators:
-            command = option(command)
-        return command
+        decorated: Any = run
+        # A function's options are shown in the order in which they stand above it: the last first.
+        last = outcome_options("data, tables and pictures", name)
+        for option in [last, *reversed(options)]:
+            decorated = option(decorated)
+        return click.command(name, epilog=epilog)(decorated)
 
     return decorate
 

@@ -17,7 +17,7 @@ import xarray as xr
 from fmus.wheelrail.creep import LAWS
 from orchestrator import Session
 
-from ...options.car import speeds_option, track_option
+from ...options.car import seed_option, speeds_option, track_option
 from ...options.types import Name, Quantity
 from ...profiles.pairing import contact_table
 from ...scales import MILE_PER_HOUR
@@ -146,7 +146,7 @@ command = study_command(
         show_default=True,
         help="Law of the creep forces.",
     ),
-    click.option("--seed", type=int, default=1, show_default=True, help="Which realisation."),
+    seed_option(),
     epilog="""\b
 Examples:
   tracktrain study safety

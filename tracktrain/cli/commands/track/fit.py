@@ -9,7 +9,7 @@ import click
 from ....options.car import say_option
 from ....options.types import Quantity
 from ....terminal import writable
-from ...as_json import json_option
+from ...outcome import outcome_options
 
 
 @click.command(
@@ -37,14 +37,7 @@ Examples:
     metavar="SHORTEST LONGEST",
     help="Waves that are fitted.  [default: 3 m to 40 m, or a tenth of the track]",
 )
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Folder for the spectrum, tables and pictures.  [default: tracktrain-fit]",
-)
-@json_option
-@click.option("--quiet", is_flag=True, help="Print errors only.")
+@outcome_options("the spectrum, tables and pictures", "fit")
 def command(
     file: Path,
     says: tuple[str, ...],

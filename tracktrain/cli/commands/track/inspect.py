@@ -10,7 +10,7 @@ from ....errors import TracktrainError, choices
 from ....options.car import is_track_file, say_option, seed_option
 from ....options.types import Quantity
 from ....terminal import writable
-from ...as_json import json_option
+from ...outcome import outcome_options
 
 LENGTH = ("m", "ft", "km", "mi")
 SPACING = 0.25
@@ -42,14 +42,7 @@ Examples:
     type=click.IntRange(1, 5),
     help="FRA class whose excursions are told.  [default: the one above what the track makes]",
 )
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Folder for tables and pictures.  [default: tracktrain-inspect]",
-)
-@json_option
-@click.option("--quiet", is_flag=True, help="Print errors only.")
+@outcome_options("tables and pictures", "inspect")
 def command(
     source: str,
     says: tuple[str, ...],
