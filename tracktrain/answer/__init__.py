@@ -133,7 +133,7 @@ def _settled(found: dict[str, Settling], stands: Standing | None, span: float) -
     grown = min(10.0 / stands.growth, LONG) if stands is not None and above else 0.0
     if not unsettled and span >= grown:
         return Level.GOOD, f"Settled: statistics mean something.{more}"
-    needed = max(grown, *(s.needed for s in unsettled.values())) if unsettled else grown
+    needed = max([grown, *(s.needed for s in unsettled.values())])
     states = {s.state for s in unsettled.values()}
     todo = f"run at least {_rounded(needed)} s, and leave out the transient (--settle)"
     if State.GROWING in states or (above and growth > 1.0):

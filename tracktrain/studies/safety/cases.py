@@ -8,6 +8,7 @@ from math import inf, isinf
 
 import pandas as pd
 
+from fmus.track.recorded_data import TrackData
 from fmus.wheelrail.contact_table import ContactTable
 from orchestrator import Session, simulate
 
@@ -124,24 +125,29 @@ class Case:
         )
 
 
-def run_case(
-    car: str,
-    line: Line,
-    profiles: tuple[str, ContactTable],
-    speed: float,
-    surroundings: Surroundings,
-    session: Session,
-) -> Case:
-    """One run; profiles: their name and table."""
-    system = hopper_car(car, speed, "perfect")
+def laid(line: Line, surroundings: Surroundings) -> TrackData:
+    """The track along a line, with its irregularities."""
     elements = line.elements()
     data = empty("line", length_of(elements), SPACING)
     if surroundings.track != "perfect":
         data = with_spectrum(data, surroundings.track, surroundings.seed)
-    data = with_layout(data, elements, line.title)
+    return with_layout(data, elements, line.title)
+
+
+def run_case(
+    car: str,
+    along: tuple[Line, TrackData],
+    profiles: tuple[str, ContactTable],
+    speed: float,
+    creep_law: str,
+    session: Session,
+) -> Case:
+    """One run; along: a line and its track; profiles: their name and table."""
+    line, data = along
+    system = hopper_car(car, speed, "perfect")
     name, table = profiles
     system, _ = with_profiles(system, table)
-    given = {"creep_law": surroundings.creep_law}
+    given = {"creep_law": creep_law}
     wheelsets = [axle.wheelset for axle in layout_of(system).axles]
     system = system.with_values({wheelset: given for wheelset in wheelsets})
     system, _ = with_track(system, data)

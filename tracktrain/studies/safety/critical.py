@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from fmus.export.wheelrail import wheelrail_fmu
 from fmus.wheelrail.contact_table import ContactTable
 
 from ...car.hopper import hopper_car, layout_of
@@ -58,8 +57,9 @@ def _on_profiles(car: str, table: ContactTable) -> LinearFmus:
     system, _ = with_profiles(hopper_car(car, track="perfect"), table)
     layout = layout_of(system)
     given = {name: component.parameters for name, component in system.components.items()}
-    fmu = wheelrail_fmu(table)
-    return LinearFmus(layout, given, fmus={axle.wheelset: fmu for axle in layout.axles})
+    wheelsets = [axle.wheelset for axle in layout.axles]
+    fmus = {name: Path(str(system.components[name].fmu)) for name in wheelsets}
+    return LinearFmus(layout, given, fmus=fmus)
 
 
 def _critical(linear: LinearMotion) -> dict[str, object]:

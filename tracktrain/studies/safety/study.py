@@ -25,7 +25,7 @@ from ...terminal import Progress, unseen
 from ..common.command import study_command
 from ..common.given import taking
 from ..common.outcome import Outcome
-from .cases import SAFETY, Case, Line, Surroundings, highest_safe, mph, run_case
+from .cases import SAFETY, Case, Line, Surroundings, highest_safe, laid, mph, run_case
 from .critical import by_conicity, by_profiles
 from .pictures import shares_figure
 
@@ -68,12 +68,14 @@ def safety(
         for wheel, rail in pairs
     }
     lines = [Line(), *(Line(radius, cant) for radius in radii)]
+    tracks = {line: laid(line, surroundings) for line in lines}
     asked = list(product(cars, tables, lines, sorted(speeds)))
     cases = []
     with Session() as session:
         for number, (car, name, line, speed) in enumerate(asked, start=1):
             on = name, tables[name][2]
-            cases.append(run_case(car, line, on, speed, surroundings, session))
+            along, creep_law = (line, tracks[line]), surroundings.creep_law
+            cases.append(run_case(car, along, on, speed, creep_law, session))
             progress(number / len(asked))
     return Outcome(
         title=f"Safety on {surroundings.track}, seed {surroundings.seed}, "
