@@ -12,8 +12,11 @@ import casadi as ca
 from .creep import Contact, Law
 from .creep.contact import TINY
 
-EVALUATIONS = 30
-"""Of the law at most. Two are taken as a rule, the forces apart."""
+STATE, GUESS, LEFT = 6, 4, 5
+"""Values of the search's state, and places of the creepage to take next and of what it leaves."""
+
+SELDOM = 27
+"""Evaluations of the law after the third. Two are taken as a rule, the forces apart."""
 
 BALANCED = 1e-9
 """Product of the last two steps of a secant, each over the creepage by which the linear theory
@@ -64,26 +67,21 @@ def common_creepage(law: Law, kind: Any, count: int = 2) -> ca.Function:
     the second takes each contact for as stiff as it was found there; then by secants, with halving
     where they do not help. Not to be differentiated: see `differentiable`.
     """
-    net = net_force(law, kind, count)
-    contacts, grips, wanted = _symbols(ca.MX, count)
-    wheels = _contacts(contacts)
-    creeps = [wheel.creep_x / wheel.leverage for wheel in wheels]
-    limit = sum(grips[i] * w.leverage * w.friction * w.load for i, w in enumerate(wheels))
-    reach = SLIDING * (wanted != 0)
-    low, high = -reduce(ca.fmax, creeps) - reach, -reduce(ca.fmin, creeps) + reach
-    guess = in_proportion(contacts, grips, ca.MX(0))
-    force, stiffnesses = net(guess, contacts, grips)
-    excess = force - wanted
-    nearer = ca.fmin(ca.fmax(_free(wheels, stiffnesses, wanted), low), high)
-    scale = limit / _stiffness(wheels, [grips[i] * wheel.f11 for i, wheel in enumerate(wheels)])
-    state = ca.vertcat(low, high, guess, excess, nearer, scale * (nearer - guess))
-    narrowed = _narrowed(net, count)
-    for _ in range(EVALUATIONS - 1):
-        state = narrowed(state, contacts, grips, wanted, scale)
+    symbols = _symbols(ca.MX, count)
+    first, nearer, same = _first(law, kind, count), _nearer(law, kind, count), _same(kind, count)
+    once = _if_needed("once", nearer, same)
+    state, scale = first(*symbols)
+    further = [ca.MX.sym("state", STATE), ca.MX.sym("scale"), *symbols]
+    rest = further[0]
+    for _ in range(SELDOM):
+        rest = once(rest, *further[1:])
+    often = _if_needed("often", ca.Function("rest", further, [rest]), same)
+    for improved in (once, once, often):
+        state = improved(state, scale, *symbols)
     return ca.Function(
         "common_creepage",
-        [contacts, grips, wanted],
-        [state[4]],
+        symbols,
+        [state[GUESS]],
         {"is_diff_in": [False] * 3, "is_diff_out": [False]},
     )
 
@@ -109,39 +107,61 @@ def _improved(law: Law, kind: Any, guess: ca.Function, count: int) -> ca.Functio
     contacts, grips, wanted = symbols = _symbols(ca.MX, count)
     root = guess(*symbols)
     falling = ca.fmin(slope(root, contacts, grips), -1e-9)
-    better = root - (net(root, contacts, grips)[0] - wanted) / falling
+    better = root - (net(root, contacts, grips) - wanted) / falling
     return ca.Function("improved", symbols, [better])
 
 
 def net_force(law: Law, kind: Any, count: int = 2) -> ca.Function:
     """(common creepage, contacts, grips) -> sum of the longitudinal forces [N], at the nominal
-    radius; and each one's force per creepage [N]."""
+    radius."""
     common = kind.sym("common")
     contacts, grips, _ = _symbols(kind, count)
-    wheels = [wheel.rolling(common) for wheel in _contacts(contacts)]
-    forces = [grips[i] * law(wheel)[0] for i, wheel in enumerate(wheels)]
-    total = sum(wheel.leverage * force for wheel, force in zip(wheels, forces, strict=True))
+    total, _ = _pull(law, _contacts(contacts), grips, common)
+    return ca.Function("net_force", [common, contacts, grips], [total], {"never_inline": True})
+
+
+def _pull(law: Law, wheels: list[Contact], grips: Any, common: Any) -> tuple[Any, list[Any]]:
+    """Sum of the longitudinal forces [N], at the nominal radius; each one's force per creepage."""
+    rolling = [wheel.rolling(common) for wheel in wheels]
+    forces = [grips[i] * law(wheel)[0] for i, wheel in enumerate(rolling)]
     # without creepage as stiff as Kalker has it
     stiffnesses = [
         (TINY**2 * grips[i] * w.f11 - forces[i] * w.creep_x) / (TINY**2 + w.creep_x**2)
-        for i, w in enumerate(wheels)
+        for i, w in enumerate(rolling)
     ]
-    found = [total, ca.vertcat(*stiffnesses)]
-    return ca.Function("net_force", [common, contacts, grips], found, {"never_inline": True})
+    return sum(w.leverage * f for w, f in zip(wheels, forces, strict=True)), stiffnesses
 
 
-def _narrowed(net: ca.Function, count: int) -> ca.Function:
-    """(state, contacts, grips, wanted, scale) -> state after one more evaluation, if it is needed.
+def _first(law: Law, kind: Any, count: int) -> ca.Function:
+    """(contacts, grips, wanted) -> the search's state after its first evaluation, and its scale:
+    the creepage by which the linear theory reaches the friction limit.
 
     state: low and high end of the bracket, the creepage evaluated last and its excess of force,
-    the creepage to take next, and the product of its distances from the last two. The excess
-    falls with the creepage.
+    the creepage to take next, and the product of its distances from the last two.
     """
-    state = ca.MX.sym("state", 6)
-    contacts, grips, wanted = _symbols(ca.MX, count)
-    scale = ca.MX.sym("scale")
-    low, high, last, at_last, guess, product = ca.vertsplit(state)
-    excess = net(guess, contacts, grips)[0] - wanted
+    contacts, grips, wanted = symbols = _symbols(kind, count)
+    wheels = _contacts(contacts)
+    creeps = [wheel.creep_x / wheel.leverage for wheel in wheels]
+    limit = sum(grips[i] * w.leverage * w.friction * w.load for i, w in enumerate(wheels))
+    scale = limit / _stiffness(wheels, [grips[i] * wheel.f11 for i, wheel in enumerate(wheels)])
+    reach = SLIDING * (wanted != 0)
+    low, high = -reduce(ca.fmax, creeps) - reach, -reduce(ca.fmin, creeps) + reach
+    guess = in_proportion(contacts, grips, kind(0))
+    force, stiffnesses = _pull(law, wheels, grips, guess)
+    nearer = ca.fmin(ca.fmax(_free(wheels, stiffnesses, wanted), low), high)
+    state = ca.vertcat(low, high, guess, force - wanted, nearer, scale * (nearer - guess))
+    return ca.Function("first", symbols, [state, scale], {"never_inline": True})
+
+
+def _nearer(law: Law, kind: Any, count: int) -> ca.Function:
+    """(state, scale, contacts, grips, wanted) -> state after one more evaluation.
+
+    The excess of force falls with the creepage.
+    """
+    state, scale = kind.sym("state", STATE), kind.sym("scale")
+    contacts, grips, wanted = symbols = _symbols(kind, count)
+    low, high, last, at_last, guess, _ = ca.vertsplit(state)
+    excess = _pull(law, _contacts(contacts), grips, guess)[0] - wanted
     low, high = ca.if_else(excess > 0, guess, low), ca.if_else(excess > 0, high, guess)
     fall = at_last - excess
     secant = guess + excess * (guess - last) / ca.if_else(fall == 0, 1, fall)
@@ -151,10 +171,24 @@ def _narrowed(net: ca.Function, count: int) -> ca.Function:
     nearer = ca.if_else(helps, secant, (low + high) / 2)
     product = ca.if_else(helps, (secant - guess) * (secant - last), scale**2)
     found = ca.vertcat(low, high, guess, excess, nearer, product)
-    arguments = [state, contacts, grips, wanted, scale]
-    better, same = (
-        ca.Function(name, arguments, [end]) for name, end in (("better", found), ("same", state))
-    )
-    choose = ca.Function.if_else("better_or_same", better, same)
-    needed = ca.fabs(state[5]) > BALANCED * scale**2
-    return ca.Function("narrowed", arguments, [choose(needed, *arguments)], {"never_inline": True})
+    return ca.Function("nearer", [state, scale, *symbols], [found], {"never_inline": True})
+
+
+def _same(kind: Any, count: int) -> ca.Function:
+    """(state, scale, contacts, grips, wanted) -> the state as it is."""
+    state = kind.sym("state", STATE)
+    return ca.Function("same", [state, kind.sym("scale"), *_symbols(kind, count)], [state])
+
+
+def _if_needed(name: str, improved: ca.Function, same: ca.Function) -> ca.Function:
+    """A function of the state, while what the search would leave is not small."""
+    arguments = [ca.MX.sym(*shape) for shape in _shapes(improved)]
+    state, scale = arguments[:2]
+    choose = ca.Function.if_else("better_or_same", improved, same)
+    needed = ca.fabs(state[LEFT]) > BALANCED * scale**2
+    found = choose(needed, *arguments)
+    return ca.Function(name, arguments, [found], {"never_inline": True})
+
+
+def _shapes(function: ca.Function) -> list[tuple[str, int, int]]:
+    return [(function.name_in(i), *function.size_in(i)) for i in range(function.n_in())]
