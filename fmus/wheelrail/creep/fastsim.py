@@ -59,17 +59,15 @@ def fastsim(
     c = contact
     limit = c.friction * c.load
     k = c.creep_reduction / limit
-    grid = _grid(strips, points)
-    tractions = _strips(strips, points)(
+    arms = _grid(strips, points)
+    force_x, force_y, moment = _contact_forces(strips, points)(
         k * c.f11 * c.creep_x,
         k * c.f22 * c.creep_y,
         k * c.f23 * c.spin,
-        k * c.f33 * c.spin / (c.b * grid.spin_arm),
-        -c.f23 / (c.f22 * c.a * grid.creep_arm) - 1,
+        k * c.f33 * c.spin / (c.b * arms.spin_arm),
+        -c.f23 / (c.f22 * c.a * arms.creep_arm) - 1,
         c.b / c.a,
-        ca.DM(grid.y).T,
     )
-    force_x, force_y, moment = ca.vertsplit(ca.mtimes(tractions, ca.DM(grid.strip_weights)))
     return limit * force_x, limit * force_y, limit * c.a * moment
 
 
@@ -96,36 +94,52 @@ def _grid(strips: int, points: int) -> _Grid:
 
 
 @cache
-def _strips(strips: int, points: int) -> ca.Function:
-    return _strip(_grid(strips, points)).map(strips)
-
-
-def _strip(grid: _Grid) -> ca.Function:
-    """(demand x, y, spin, spin x, lever, b/a, y/b) -> force x, y and moment/a of one strip.
+def _contact_forces(strips: int, points: int) -> ca.Function:
+    """(demand x, y, spin, spin x, lever, b/a) -> force x, y and moment/a.
 
     A demand is the force of the linear theory over the friction limit, with the sign of the
-    creepage; spin x: that of spin's longitudinal tractions at y = b. Tractions are over mu times
-    the largest pressure. lever: by how much more of its arm a creepage's lateral traction acts.
+    creepage; spin x: that of spin's longitudinal tractions at y = b. Forces are over the friction
+    limit. lever: by how much more of its arm a creepage's lateral traction acts.
     """
-    names = ("demand_x", "demand_y", "demand_spin", "demand_spin_x", "lever", "width", "y")
-    arguments = [ca.SX.sym(name) for name in names]
-    demand_x, demand_y, demand_spin, demand_spin_x, lever, width, y = arguments
-    half_length = ca.sqrt(1 - y**2)
-    slope_x = demand_x - demand_spin_x * y
-    slope_spin = demand_spin * half_length
-    p_x, p_y, by_creep = ca.SX(0), ca.SX(0), ca.SX(0)
-    force_x, force_y, moment = ca.SX(0), ca.SX(0), ca.SX(0)
+    grid, point = _grid(strips, points), _point(strips, points)
+    names = ("demand_x", "demand_y", "demand_spin", "demand_spin_x", "lever", "width")
+    arguments = demand_x, demand_y, demand_spin, demand_spin_x, lever, width = [
+        ca.MX.sym(name) for name in names
+    ]
+    slopes = ca.horzcat(
+        demand_x - demand_spin_x * ca.DM(grid.y), demand_spin * ca.DM(grid.half_length)
+    )
     steps = (np.diff(profile, prepend=0.0) for profile in (grid.creep, grid.pressure))
-    for z, weight, pressure, creep_step, spin_step in zip(
-        grid.z, grid.point_weights, grid.pressure, *steps, strict=True
-    ):
-        p_x = p_x - slope_x * creep_step
-        p_y = p_y - demand_y * creep_step - slope_spin * spin_step
-        by_creep = by_creep - demand_y * creep_step
-        bound = half_length * pressure
-        share = ca.fmin(1, bound / ca.sqrt(p_x**2 + p_y**2 + TINY**2))
-        p_x, p_y, by_creep = share * p_x, share * p_y, share * by_creep
-        force_x += weight * p_x
-        force_y += weight * p_y
-        moment += weight * (half_length * z * (p_y + lever * by_creep) - width * y * p_x)
-    return ca.Function("strip", arguments, [ca.vertcat(force_x, force_y, moment)])
+    tractions = sums = ca.MX(ca.DM.zeros(strips, 3))
+    for place in zip(grid.z, grid.point_weights, grid.pressure, *steps, strict=True):
+        tractions, sums = point(tractions, sums, slopes, demand_y, lever, width, ca.DM(place))
+    forces = ca.mtimes(ca.DM(grid.strip_weights).T, sums)
+    return ca.Function("contact_forces", arguments, ca.horzsplit(forces))
+
+
+@cache
+def _point(strips: int, points: int) -> ca.Function:
+    """One point further along all strips, side by side: a strip waits for its last point, not for
+    the others.
+
+    (tractions, sums, slopes, demand y, lever, b/a, place) -> tractions, sums. tractions: x, y, and
+    the part of y by creepage, over mu times the largest pressure, (strips, 3). sums of force x, y
+    and moment/a (strips, 3). slopes: of the traction x by creepage, y by spin (strips, 2).
+    """
+    grid = _grid(strips, points)
+    tractions, sums = ca.SX.sym("tractions", strips, 3), ca.SX.sym("sums", strips, 3)
+    slopes, place = ca.SX.sym("slopes", strips, 2), ca.SX.sym("place", 5)
+    demand_y, lever, width = ca.SX.sym("demand_y"), ca.SX.sym("lever"), ca.SX.sym("width")
+    z, weight, pressure, creep_step, spin_step = ca.vertsplit(place)
+    p_x, p_y, by_creep = ca.horzsplit(tractions)
+    y, half_length = ca.DM(grid.y), ca.DM(grid.half_length)
+    by_creep = by_creep - demand_y * creep_step
+    p_x = p_x - slopes[:, 0] * creep_step
+    p_y = p_y - demand_y * creep_step - slopes[:, 1] * spin_step
+    bound = half_length * pressure
+    share = ca.fmin(1, bound / ca.sqrt(p_x**2 + p_y**2 + TINY**2))
+    p_x, p_y, by_creep = share * p_x, share * p_y, share * by_creep
+    arm = half_length * z * (p_y + lever * by_creep) - width * y * p_x
+    arguments = [tractions, sums, slopes, demand_y, lever, width, place]
+    found = [ca.horzcat(p_x, p_y, by_creep), sums + weight * ca.horzcat(p_x, p_y, arm)]
+    return ca.Function("point", arguments, found)
