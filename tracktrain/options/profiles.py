@@ -14,6 +14,8 @@ from .types import Quantity
 LENGTH = ("mm", "in", "m")
 STEEPEST = 0.2
 """Inclination of a rail, at most."""
+YAW = Quantity("yaw", "rad", ("mrad", "deg", "rad"), "20 mrad", most="100 mrad")
+"""Of a wheelset. From some 50 mrad on flanges meet their rails with their tips."""
 
 
 class Inclination(click.ParamType):

@@ -14,10 +14,21 @@ from ..errors import choices
 
 
 class Quantity(click.ParamType):
-    """A number above zero with a unit, converted to `unit`; `units` are some that it may have."""
+    """A number above zero with a unit, converted to `unit`; `units` are some that it may have.
 
-    def __init__(self, name: str, unit: str, units: Sequence[str], example: str) -> None:
+    most: the largest one, with its unit, if there is one.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        unit: str,
+        units: Sequence[str],
+        example: str,
+        most: str | None = None,
+    ) -> None:
         self.name, self.unit, self.units, self.example = name, unit, tuple(units), example
+        self.most = most
 
     def convert(
         self, value: str | float, param: click.Parameter | None, ctx: click.Context | None
@@ -36,7 +47,11 @@ class Quantity(click.ParamType):
         if not given.unit:
             self.fail(f"'{value}' has no unit; {self._advice()}", param, ctx)
         try:
-            return float(f"{given.to(self.unit):.15g}")  # 60 ft/s is 18.288 m/s, not a bit less
+            value = float(f"{given.to(self.unit):.15g}")  # 60 ft/s is 18.288 m/s, not a bit less
+            if self.most and value > orchestrator.Quantity.parsed(self.most).to(self.unit):
+                problem = f"a {self.name} of {given} is too large; give {self.most} at most"
+                self.fail(problem, param, ctx)
+            return value
         except orchestrator.DimensionError:
             kind = given.dimension.strip("[]") or "plain number"
             problem = f"'{given}' is a {kind}, not a {self.name}; {self._advice()}"

@@ -43,6 +43,12 @@ def test_make_writes_a_profile_in_our_axes(tmp_path):
     )
 
 
+def test_a_pair_that_crosses_is_told_before_anything_else():
+    result = ran("show", "conical", "crown", "--gauge", "1300 mm")
+    assert result.exit_code != 0
+    assert result.output.startswith("Error: conical crosses crown")
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -50,6 +56,7 @@ def test_make_writes_a_profile_in_our_axes(tmp_path):
         (("show", "conical", "crown", "--picture", "x.doc"), "is no picture by its ending"),
         (("show", "missing.csv", "crown"), "the profile 'missing.csv' cannot be read"),
         (("show", "conical", "crown", "--say", "side=left"), "--say 'side=left' cannot be read"),
+        (("show", "conical", "crown", "--yaw", "20 deg"), "too large; give 100 mrad at most"),
         (("make", "out.prw", "conical"), "call it 'out.csv'"),
     ],
 )

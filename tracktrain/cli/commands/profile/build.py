@@ -17,7 +17,9 @@ from ....terminal import writable
 Examples:
   tracktrain profile build worn crown -o worn.fmu
   tracktrain profile build my_wheel.csv 60e1 --gauge "1435 mm" --gauge-depth "14 mm" --target all
-  tracktrain run --wheel worn.fmu"""
+  tracktrain run --wheel worn.fmu --set wheelset_11.creep_law=polach \\
+      --set wheelset_12.creep_law=polach --set wheelset_21.creep_law=polach \\
+      --set wheelset_22.creep_law=polach"""
 )
 @click.argument("wheel")
 @click.argument("rail")

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from ....options.profiles import pairing_options
+from ....options.profiles import YAW, pairing_options
 from ....options.types import Quantity
 from ....terminal import writable
 from ...as_json import json_option, print_json
@@ -36,9 +36,9 @@ Examples:
 )
 @click.option(
     "--yaw",
-    type=Quantity("angle", "rad", ("mrad", "deg", "rad"), "5 mrad"),
+    type=YAW,
     metavar="ANGLE",
-    help="Of the wheelset, to the left.",
+    help="Of the wheelset, to the left, up to 100 mrad.",
 )
 @click.option(
     "--picture",
@@ -59,6 +59,7 @@ def command(
     right_radius, yaw = given.pop("right_radius"), given.pop("yaw") or 0.0
     wheelset, track = Pairing(**given).placed(wheel, rail, says, right, right_radius)
     found = Examined(wheelset, track, yaw)
+    lines = found.lines()  # all that can fail, before a word of it is told
     if picture is not None:
         writable(picture.parent)
         save(found, picture)
@@ -70,7 +71,7 @@ def command(
         for line in profile.said:
             click.echo(f"  {line}")
     click.echo("contact")
-    for line in found.lines():
+    for line in lines:
         click.echo(f"  {line}")
     if picture is not None:
         click.echo(f"{picture}")
