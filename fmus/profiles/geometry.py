@@ -162,11 +162,15 @@ class ContactGeometry:
         if not rows.size or rows[0] == 0:
             return None
         row = rows[0]
+        end, reached = towards[row], abs(angle[row])
         for jump in self.jumps:
             if jump.side == side and towards[row - 1] <= sign * jump.shift <= towards[row]:
-                return sign * jump.shift
-        share = (steep - abs(angle[row - 1])) / (abs(angle[row]) - abs(angle[row - 1]))
-        return float(towards[row - 1] + share * (towards[row] - towards[row - 1]))
+                end, reached = sign * jump.shift, abs(float(jump.before.angle))
+                if reached <= steep:
+                    return end
+                break
+        share = (steep - abs(angle[row - 1])) / (reached - abs(angle[row - 1]))
+        return float(towards[row - 1] + share * (end - towards[row - 1]))
 
 
 def contact_geometry(

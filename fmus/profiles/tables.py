@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -29,62 +29,118 @@ ELASTIC = 2e-5
 the 0.1 mm by which wheel and rail approach each other under a wheel load."""
 
 
-def contact_table(wheelset: Wheelset, track: Track, climb: float = CLIMB) -> ContactTable:
+YAW_NODES = 3
+"""Of a table over yaw, with that of none: contacts are even in yaw, and smooth."""
+
+
+def contact_table(
+    wheelset: Wheelset, track: Track, climb: float = CLIMB, yaw: float = 0.0
+) -> ContactTable:
     """The table of a wheelset and a track with both sides alike.
 
-    The tread ends where the flange touches, which is then followed for `climb` [m]. Raises
-    ParameterError for sides that differ, and for profiles without a flange that touches.
+    The tread ends where the flange touches, which is then followed for `climb` [m]; a wheel
+    without a flange has its tread alone, to `WITHOUT_FLANGE` on both sides. yaw: largest one [rad]
+    of a table over yaw, 0 for one without. Raises ParameterError for sides that differ, and for
+    profiles whose flange does not touch.
     """
     if not (wheelset.alike and track.alike):
         raise ParameterError(
             "a table holds a wheel and a rail that are alike on both sides; give one wheel, one "
             "rail and one inclination"
         )
-    found = flange_begins(wheelset, track)
-    if found is None:
-        return _flangeless(wheelset, track)
-    clearance, jump = found
-    spacing = clearance / np.ceil(clearance / NODE)
-    back, on = (round(float(length / spacing)) for length in (clearance + climb, climb))
-    over = spacing * np.arange(-back, round(float(clearance / spacing)) + 1)
-    tread = contact_geometry(wheelset, track, over)
-    flange = contact_geometry(wheelset, track, clearance + spacing * np.arange(on + 1))
-    rounded = [j for j in tread.jumps if j.side == "left" and j.shift < clearance - spacing]
-    resting = float(np.interp(0.0, over, tread.lift))
+    begins = flange_begins(wheelset, track)
+    straight = _Solved.found(wheelset, track, begins, *_spaced(begins, climb))
+    angles = np.linspace(0.0, yaw, YAW_NODES)[1:] if yaw else ()
+    nodes = [straight, *(straight.yawed(float(angle)) for angle in angles)]
+    jumping = next((node for node in nodes if node.rounded), None)
     said = [*wheelset.left.said, *track.left.said]
-    if rounded:
-        places = ", ".join(f"{j.shift * 1e3:.3g}" for j in rounded)
+    if jumping is not None:
+        places = ", ".join(f"{j.shift * 1e3:.3g}" for j in jumping.rounded)
         said.append(
             f"the contact jumps on the tread at shifts of {places} mm: means over all places, "
             f"weighted by exp(-gap/{ELASTIC * 1e6:g} um)"
         )
-        points = tread.left_means(ELASTIC, float(STEEP))
-    else:
-        points = _with(tread.left, -1, jump.before if jump else None)
-    parts = (
-        _patch(tread, points, over, resting),
-        _patch(
-            flange,
-            _with(flange.left, 0, jump.after if jump else None),
-            flange.shift - clearance,
-            resting,
-        ),
-    )
-    return ContactTable(_name(wheelset, track), wheelset.rolling_radius, *parts, tuple(said))
+    if straight.flange is None:
+        said.append("the wheel has no flange")
+    tables = [node.table(means=jumping is not None) for node in nodes]
+    if yaw:
+        ends = " to ".join(f"{table.clearance * 1e3:.3f}" for table in (tables[0], tables[-1]))
+        said.append(
+            f"yaw from 0 to {yaw * 1e3:g} mrad, along which the flange touches at {ends} mm"
+        )
+    yawed = dict(zip(map(float, angles), tables[1:], strict=True))
+    return replace(tables[0], said=tuple(said), yawed=yawed)
 
 
-def _flangeless(wheelset: Wheelset, track: Track) -> ContactTable:
-    """The tread alone, to `WITHOUT_FLANGE` on both sides."""
-    count = round(WITHOUT_FLANGE / NODE)
-    over = NODE * np.arange(-count, count + 1)
-    tread = contact_geometry(wheelset, track, over)
-    patch = _patch(tread, tread.left, over, float(tread.lift[count]))
-    said = (*wheelset.left.said, *track.left.said, "the wheel has no flange")
-    return ContactTable(_name(wheelset, track), wheelset.rolling_radius, patch, None, said)
+@dataclass(frozen=True, eq=False)
+class _Solved:
+    """The contacts of one yaw. clearance: shift at which the flange touches [m], and the jump of
+    the contact there, if any; over, climb: nodes of tread and flange [m], none of a flange that
+    there is not."""
+
+    clearance: float
+    jump: Jump | None
+    over: Array
+    climb: Array
+    tread: ContactGeometry
+    flange: ContactGeometry | None
+
+    @classmethod
+    def found(
+        cls,
+        wheelset: Wheelset,
+        track: Track,
+        begins: tuple[float, Jump | None] | None,
+        over: Array,
+        climb: Array,
+        yaw: float = 0.0,
+    ) -> _Solved:
+        """begins: what `flange_begins` has."""
+        clearance, jump = begins or (float(over[-1]), None)
+        tread = contact_geometry(wheelset, track, over, yaw)
+        flange = contact_geometry(wheelset, track, clearance + climb, yaw) if begins else None
+        return cls(clearance, jump, over, climb, tread, flange)
+
+    def yawed(self, yaw: float) -> _Solved:
+        """The same at a yaw [rad], its nodes as far from the shift at which the flange touches."""
+        wheelset, track = self.tread.wheelset, self.tread.track
+        begins = flange_begins(wheelset, track, yaw)
+        over = self.over + (begins[0] - self.clearance if begins else 0.0)
+        return self.found(wheelset, track, begins, over, self.climb, yaw)
+
+    @property
+    def rounded(self) -> list[Jump]:
+        """Jumps of the contact on the tread."""
+        last = self.clearance - (self.over[1] - self.over[0])
+        return [j for j in self.tread.jumps if j.side == "left" and j.shift < last]
+
+    def table(self, means: bool) -> ContactTable:
+        """means: over all places of a tread on which the contact jumps."""
+        wheelset, track = self.tread.wheelset, self.tread.track
+        resting = float(np.interp(0.0, self.over, self.tread.lift))
+        if means:
+            points = self.tread.left_means(ELASTIC, float(STEEP))
+        else:
+            points = _with(self.tread.left, -1, self.jump.before if self.jump else None)
+        tread, flange = _patch(self.tread, points, self.over, resting), None
+        if self.flange is not None:
+            points = _with(self.flange.left, 0, self.jump.after if self.jump else None)
+            climbed = self.flange.shift - self.clearance
+            flange = _patch(self.flange, points, climbed, resting)
+        name = f"{wheelset.left.name} on {track.left.name}"
+        return ContactTable(name, wheelset.rolling_radius, tread, flange)
 
 
-def _name(wheelset: Wheelset, track: Track) -> str:
-    return f"{wheelset.left.name} on {track.left.name}"
+def _spaced(begins: tuple[float, Jump | None] | None, climb: float) -> tuple[Array, Array]:
+    """Shifts of the tread's nodes, and climbs of the flange's [m]."""
+    if begins is None:
+        count = round(WITHOUT_FLANGE / NODE)
+        return NODE * np.arange(-count, count + 1), np.zeros(0)
+    clearance = begins[0]
+    spacing = clearance / np.ceil(clearance / NODE)
+    back, on = (round(float(length / spacing)) for length in (clearance + climb, climb))
+    over = spacing * np.arange(-back, round(float(clearance / spacing)) + 1)
+    return over, spacing * np.arange(on + 1)
 
 
 def flange_begins(

@@ -239,7 +239,7 @@ class Touch:
             f.name: (weight * np.where(weight > 0, getattr(over, f.name), 0.0)).sum(axis=1)
             for f in fields(Points)
         }
-        slope = (weight * np.tan(over.angle)).sum(axis=1)
+        slope = (weight * np.where(weight > 0, np.tan(over.angle), 0.0)).sum(axis=1)
         return Points(**{**means, "angle": np.arctan(slope)})
 
     def _gap(self, s: Array) -> tuple[Array, Trace, tuple[Array, Array, Array, Array]]:

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import reduce
+from operator import mul
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -43,44 +47,87 @@ class Columns:
         self, table: ContactTable, poisson_ratio: float, small_angles: bool = False
     ) -> None:
         self.table = table
-        self.patches = table.patches()
-        if table.flange is not None:
-            self.patches["flange"] = _from_steepest(table.flange)
+        self.over_yaw = {
+            yaw: _from_steepest(at_yaw, table) for yaw, at_yaw in table.over_yaw.items()
+        }
+        self.patches = self.over_yaw[0.0].patches()
         self.values = {
-            name: _columns(patch, table, poisson_ratio, small_angles)
-            for name, patch in self.patches.items()
+            name: [
+                _columns(at_yaw.patches()[name], table, poisson_ratio, small_angles, yaw)
+                for yaw, at_yaw in self.over_yaw.items()
+            ]
+            for name in self.patches
         }
 
-    def first(self, patch: str) -> dict[str, float]:
-        """Columns of a patch at its first node."""
-        return {name: float(column[0]) for name, column in self.values[patch].items()}
+    def first(self, patch: str, yaw: Any = 0.0) -> dict[str, Any]:
+        """Columns of a patch at its first node, at a yaw [rad] if the table has some."""
+        ends = [
+            {name: float(column[0]) for name, column in columns.items()}
+            for columns in self.values[patch]
+        ]
+        if not self.table.yawed:
+            return ends[0]
+        return {name: self._at_yaw(yaw, [end[name] for end in ends]) for name in ends[0]}
+
+    def earlier(self, yaw: Any) -> Any:
+        """By how much less a wheel is shifted when its flange touches than at yaw 0 [m]."""
+        clearances = [at_yaw.clearance for at_yaw in self.over_yaw.values()]
+        return self.table.clearance - self._at_yaw(yaw, clearances)
 
     def spline(self, patch: str, names: Sequence[str]) -> ca.Function:
-        """(shift or climb [m]) -> columns of these names; held beyond the ends."""
+        """(shift or climb [m]) -> columns of these names; held beyond the ends.
+
+        (the same, yaw [rad]) of a table that has yaw: a polynomial of the yaw's square between
+        splines, since all columns are even in it.
+        """
         over = self.patches[patch].over
-        nodes = np.array([self.values[patch][name] for name in names]).T
+        nodes = np.array([columns[name] for columns in self.values[patch] for name in names]).T
         fitted = make_interp_spline(over, nodes, DEGREE)
         inside = ca.Function.bspline(
-            patch, [list(fitted.t)], list(fitted.c.ravel()), [DEGREE], len(names)
+            patch, [list(fitted.t)], list(fitted.c.ravel()), [DEGREE], nodes.shape[1]
         )
-        at = ca.MX.sym("at")
+        at, yaw = ca.MX.sym("at"), ca.MX.sym("yaw")
         held = ca.fmin(ca.fmax(at, float(over[0])), float(over[-1]))
-        return ca.Function(f"{patch}_{len(names)}", [at], [inside(held)])
+        found, arguments = inside(held), [at]
+        if self.table.yawed:
+            found = ca.reshape(found, len(names), len(self.over_yaw)) @ self._weights(yaw)
+            arguments = [at, yaw]
+        return ca.Function(f"{patch}_{len(names)}", arguments, [found])
+
+    def _at_yaw(self, yaw: Any, values: Sequence[float]) -> Any:
+        return ca.dot(ca.DM(values), self._weights(yaw))
+
+    def _weights(self, yaw: Any) -> Any:
+        """Lagrange's, of the table's yaw angles; at yaw 0 exactly its own. Held beyond the last."""
+        squares = [yaw**2 for yaw in self.over_yaw]
+        square = ca.fmin(yaw**2, squares[-1])
+        return ca.vertcat(
+            *(
+                reduce(mul, ((square - s) / (own - s) for s in squares if s != own))
+                for own in squares
+            )
+        )
 
 
-def _from_steepest(flange: Patch) -> Patch:
-    """The flange from its steepest contact on: where the contact wanders there without a jump, the
-    rail's give bridges the way."""
-    first = min(int(np.argmax(flange.angle)), flange.over.size - FEWEST)
-    rest = {name: column[first:] for name, column in flange.columns().items()}
-    return Patch(**{**rest, "over": rest["over"] - rest["over"][0]})
+def _from_steepest(table: ContactTable, straight: ContactTable) -> ContactTable:
+    """A table whose flange begins where the contact of no yaw is steepest: where it wanders there
+    without a jump, the rail's give bridges the way."""
+    if table.flange is None or straight.flange is None:
+        return table
+    first = min(int(np.argmax(straight.flange.angle)), straight.flange.over.size - FEWEST)
+    rest = {name: column[first:] for name, column in table.flange.columns().items()}
+    flange = Patch(**{**rest, "over": rest["over"] - rest["over"][0]})
+    return replace(table, flange=flange, yawed={})
 
 
 def _columns(
-    patch: Patch, table: ContactTable, poisson_ratio: float, small_angles: bool
+    patch: Patch, table: ContactTable, poisson_ratio: float, small_angles: bool, yaw: float
 ) -> dict[str, np.ndarray]:
     nominal, one = table.rolling_radius, np.ones_like(patch.over)
     ratio, on_wheel = patch.radius / nominal, patch.angle - patch.roll
+    if yaw:  # the angle between the contact plane and the axle
+        along = np.sin(patch.angle) * np.cos(patch.roll) * np.cos(yaw)
+        on_wheel = np.arcsin(along - np.cos(patch.angle) * np.sin(patch.roll))
     if small_angles:
         found = {
             "leverage": one,
@@ -98,7 +145,7 @@ def _columns(
             "cosine": np.cos(patch.angle),
             "camber": np.sin(on_wheel) / nominal,
             "arm": patch.place,
-            "ahead": patch.radius * np.tan(on_wheel) - patch.place,
+            "ahead": patch.radius * np.sin(patch.angle) / np.cos(on_wheel) - patch.place,
         }
         along = np.cos(on_wheel) / patch.radius
     across = patch.wheel_curvature + patch.rail_curvature

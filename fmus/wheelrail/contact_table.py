@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -10,6 +12,9 @@ from ..errors import ParameterError
 
 IN_FMU = "extra/org.tracktrain/contact.csv"
 """Place of the table in the FMU of a wheelset on profiles."""
+
+YAW = "yaw [rad]"
+"""Column of the yaw angle in its text."""
 
 FEWEST = 4
 """Nodes that a cubic spline needs."""
@@ -80,7 +85,9 @@ class ContactTable:
     its own rail [m], up to the shift at which the flange touches; the wheelset is rolled so that
     both wheels touch. flange: over the climb [m], by how much the wheel is shifted beyond that with
     the flange alone on the rail, from 0; None where none touches. said: where it comes from, a line
-    each. Raises ParameterError.
+    each. yawed: the same at further yaw angles [rad], rising from above zero, its nodes as far from
+    the shift at which the flange touches; none where the contacts are taken as those of no yaw.
+    Raises ParameterError.
     """
 
     name: str
@@ -88,6 +95,7 @@ class ContactTable:
     tread: Patch
     flange: Patch | None = None
     said: tuple[str, ...] = ()
+    yawed: Mapping[float, ContactTable] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for part, patch in self.patches().items():
@@ -102,6 +110,33 @@ class ContactTable:
                 f"{self.name}: the flange begins at a climb of {self.flange.over[0]:g} m; give it "
                 "from 0"
             )
+        self._check_yawed()
+
+    def _check_yawed(self) -> None:
+        yaws = (0.0, *self.yawed)
+        if not (np.diff(yaws) > 0).all() or not np.isfinite(yaws).all():
+            raise ParameterError(
+                f"{self.name} is given at yaw angles of {', '.join(map(str, self.yawed))} rad; "
+                "give them above zero, rising"
+            )
+        for yaw, other in self.yawed.items():
+            patches = other.patches()
+            alike = other.rolling_radius == self.rolling_radius and not other.yawed
+            alike &= patches.keys() == self.patches().keys() and all(
+                patch.over.shape == patches[name].over.shape
+                and np.allclose(np.diff(patch.over), np.diff(patches[name].over), atol=1e-9)
+                for name, patch in self.patches().items()
+            )
+            if not alike:
+                raise ParameterError(
+                    f"{self.name} has other nodes, patches or another radius at a yaw of {yaw:g} "
+                    "rad; give the same ones, as far from the shift at which the flange touches"
+                )
+
+    @property
+    def over_yaw(self) -> dict[float, ContactTable]:
+        """This table at yaw 0, and those at further yaw angles [rad]."""
+        return {0.0: self, **self.yawed}
 
     @property
     def clearance(self) -> float:
@@ -125,15 +160,18 @@ class ContactTable:
 
 
 def as_text(table: ContactTable) -> str:
-    """The table as CSV, to the last bit: said lines after #, then a row for each node."""
+    """The table as CSV, to the last bit: said lines after #, then a row for each node.
+
+    A column of yaw stands first in a table that has some.
+    """
     lines = [f"# {line}" for line in (table.name, *table.said)]
     lines.append(f"# rolling_radius = {table.rolling_radius!r} m")
-    units = {"angle": "rad", "roll": "rad", "wheel_curvature": "1/m", "rail_curvature": "1/m"}
-    heads = [f"{field.name} [{units.get(field.name, 'm')}]" for field in fields(Patch)]
-    lines.append(",".join(["patch", *heads]))
-    for name, patch in table.patches().items():
-        rows = zip(*patch.columns().values(), strict=True)
-        lines += [",".join([name, *(repr(float(value)) for value in row)]) for row in rows]
+    lines.append(",".join([*([YAW] if table.yawed else []), "patch", *_heads()]))
+    for yaw, at_yaw in table.over_yaw.items():
+        first = [repr(float(yaw))] if table.yawed else []
+        for name, patch in at_yaw.patches().items():
+            rows = zip(*patch.columns().values(), strict=True)
+            lines += [",".join([*first, name, *(repr(float(v)) for v in row)]) for row in rows]
     return "\n".join(lines) + "\n"
 
 
@@ -141,18 +179,28 @@ def of_text(text: str) -> ContactTable:
     """The table of such a text; raises ParameterError."""
     said = [line[2:] for line in text.splitlines() if line.startswith("# ")]
     rows = [line.split(",") for line in text.splitlines() if line and not line.startswith("#")]
-    names = [field.name for field in fields(Patch)]
     try:
-        heads = [head.partition(" [")[0] for head in rows[0]]
-        if heads != ["patch", *names]:
-            raise ValueError(f"the columns are {', '.join(heads)}")
+        if rows[0][0] != YAW:
+            rows = [[YAW, *rows[0]], *(["0", *row] for row in rows[1:])]
+        if rows[0] != [YAW, "patch", *_heads()]:
+            raise ValueError(f"the columns are {', '.join(rows[0])}")
         radius = float(said[-1].removeprefix("rolling_radius = ").removesuffix(" m"))
-        parts: dict[str, list[list[float]]] = {}
-        for patch, *numbers in rows[1:]:
+        found: dict[float, dict[str, list[list[float]]]] = {}
+        for yaw, patch, *numbers in rows[1:]:
+            parts = found.setdefault(float(yaw), {})
             parts.setdefault(patch, []).append([float(number) for number in numbers])
-        patches = {name: Patch(*np.array(found).T) for name, found in parts.items()}
-        return ContactTable(said[0], radius, **patches, said=tuple(said[1:-1]))
-    except (ValueError, IndexError, TypeError) as error:
+        tables: dict[float, ContactTable] = {}
+        for angle, parts in found.items():
+            patches: dict[str, Any] = {name: Patch(*np.array(v).T) for name, v in parts.items()}
+            tables[angle] = ContactTable(said[0], radius, **patches)
+        straight = tables.pop(0.0)
+        return replace(straight, said=tuple(said[1:-1]), yawed=tables)
+    except (ValueError, IndexError, TypeError, KeyError) as error:
         raise ParameterError(
             f"a contact table cannot be read: {error}; 'tracktrain profile build' makes such"
         ) from None
+
+
+def _heads() -> list[str]:
+    units = {"angle": "rad", "roll": "rad", "wheel_curvature": "1/m", "rail_curvature": "1/m"}
+    return [f"{field.name} [{units.get(field.name, 'm')}]" for field in fields(Patch)]

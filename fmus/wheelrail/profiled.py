@@ -58,6 +58,9 @@ class ProfiledWheelRail(WheelRail):
             for side in SIDES
             for name, (unit, text, nominal) in _PER_WHEEL.items()
         ),
+        Output(
+            "yaw_rel", "rad", "Yaw of the wheelset against the way over the ground", nominal=1e-2
+        ),
     )
     constants = (
         Constant("rolling_radius", "m", "Nominal rolling radius of the table"),
@@ -157,6 +160,9 @@ class ProfiledWheelRail(WheelRail):
         def places(*at: Any) -> list[Any]:
             return [ca.vertcat(*self._wheels(law, *at).places()[: len(spots)])]
 
+        def yaws(*at: Any) -> list[Any]:
+            return [self._wheels(law, *at).yaw]
+
         def contacts(u: Any, p: Any, d: Any, columns: Any) -> list[Any]:
             wheels = self._wheels(law, u, p, d)
             return wheels.rotation(wheels.touches(by_spot(columns)))
@@ -170,7 +176,8 @@ class ProfiledWheelRail(WheelRail):
         d = ca.MX.sym("d", len(self.derived_shapes))
         at = ca.vertsplit(self._of_signals("places", ca.SX, places)(u, p, d))
         splines = {patch: self.columns.spline(patch, names) for patch in patches}
-        columns = ca.horzcat(*(splines[patch](at[i]) for i, (_, patch) in enumerate(spots)))
+        yaw = [self._of_signals("yaw", ca.SX, yaws)(u, p, d)] if self.geometry.yawed else []
+        columns = ca.horzcat(*(splines[patch](at[i], *yaw) for i, (_, patch) in enumerate(spots)))
         shape = {"columns": columns.shape}
         touching = self._of_signals("contacts", ca.SX, contacts, **shape)(u, p, d, columns)
         if law == LINEAR:
@@ -187,9 +194,12 @@ class ProfiledWheelRail(WheelRail):
 
 
 def _limits(columns: Columns) -> tuple[Limit, ...]:
-    """What the laws hold for; a flange as far as the table follows it up the rail."""
+    """What the laws hold for; flange and yaw as far as the table has them."""
+    ends: dict[str, dict[str, Any]] = {}
+    if columns.table.flange is not None:
+        ends["off_the_flange"] = {"largest": float(columns.patches["flange"].over[-1])}
+    if columns.table.yawed:
+        last = max(columns.table.yawed)
+        ends["yaw"] = {"least": -last, "largest": last}
     found = read_range(RANGE, ProfiledWheelRail.outputs) or ()
-    if columns.table.flange is None:
-        return found
-    end = float(columns.patches["flange"].over[-1])
-    return tuple(replace(r, largest=end) if r.name == "off_the_flange" else r for r in found)
+    return tuple(replace(limit, **ends.get(limit.name, {})) for limit in found)

@@ -8,6 +8,7 @@ from scipy.interpolate import CubicSpline
 from ..describe.experiment import STEP, TIMES, Reference, Table, as_bytes
 from ..describe.variables import Values
 from .block import SIDES
+from .contact_table import ContactTable
 from .profiled import ProfiledWheelRail
 
 PLATEAU = 0.02
@@ -52,27 +53,16 @@ def reference(block: ProfiledWheelRail, values: Values) -> Reference:
 
 
 def _solve(block: ProfiledWheelRail, values: Values, u: Table) -> Table:
-    tread, nominal = block.geometry.tread, block.geometry.rolling_radius
-    columns = {
-        "ratio": tread.radius / nominal,
-        "sine": np.sin(tread.angle),
-        "cosine": np.cos(tread.angle),
-        "arm": tread.place,
-    }
-    at = {
-        side: {
-            name: CubicSpline(tread.over, column)(sign * (u["y"] - u[f"rail_y_{side}"]))
-            for name, column in columns.items()
-        }
-        for side, sign in SIDES.items()
-    }
+    places = {side: _place(block.geometry, u, side) for side in SIDES}
     motion, turning = u["vy"] / u["speed"] - u["yaw"], u["wz"] / u["speed"]
-    slip = {s: 1 - at[s]["ratio"] - sign * at[s]["arm"] * turning for s, sign in SIDES.items()}
-    weight = sum(column["ratio"] ** 2 for column in at.values())
-    common = -sum(at[s]["ratio"] * slip[s] for s in SIDES) / weight
+    slip = {
+        s: 1 - places[s]["ratio"] - sign * places[s]["arm"] * turning for s, sign in SIDES.items()
+    }
+    weight = sum(column["ratio"] ** 2 for column in places.values())
+    common = -sum(places[s]["ratio"] * slip[s] for s in SIDES) / weight
     results: Table = {"force_y": np.zeros_like(motion), "moment_z": np.zeros_like(motion)}
     for side, sign in SIDES.items():
-        place, load = at[side], u[f"load_{side}"]
+        place, load = places[side], u[f"load_{side}"]
         normal = load / place["cosine"]
         creep_x = slip[side] + place["ratio"] * common
         force_x = -values["longitudinal_creep_coefficient"] * creep_x
@@ -89,3 +79,28 @@ def _solve(block: ProfiledWheelRail, values: Values, u: Table) -> Table:
             f"{side}.contact_angle": np.arctan2(place["sine"], place["cosine"]),
         }
     return results
+
+
+def _place(table: ContactTable, u: Table, side: str) -> Table:
+    """Rolling radius over the nominal one, sine and cosine of the contact angle and place of a
+    wheel: splines over its shift, between which stands a polynomial of the yaw's square."""
+    squares = np.square([*table.over_yaw])
+    powers = np.vander(u["yaw"] ** 2, len(squares))
+    weights = np.linalg.solve(np.vander(squares).T, powers.T)
+    tables, tread = table.over_yaw.values(), table.tread
+    clearance = weights.T @ [each.clearance for each in tables]
+    shift = SIDES[side] * (u["y"] - u[f"rail_y_{side}"]) + table.clearance - clearance
+    patches = [each.tread for each in tables]
+    columns = {
+        "ratio": [patch.radius / table.rolling_radius for patch in patches],
+        "sine": [np.sin(patch.angle) for patch in patches],
+        "cosine": [np.cos(patch.angle) for patch in patches],
+        "arm": [patch.place for patch in patches],
+    }
+    return {
+        name: sum(
+            weight * CubicSpline(tread.over, column)(shift)
+            for weight, column in zip(weights, found, strict=True)
+        )
+        for name, found in columns.items()
+    }

@@ -59,9 +59,17 @@ class Wheels:
         """Shift at which a flange touches [m]."""
         return self.columns.table.clearance
 
+    @property
+    def yaw(self) -> ca.SX:
+        """Against the way over the ground [rad]."""
+        return self.u["yaw"] - self.u["path_yaw"]
+
     def shift(self, side: str) -> ca.SX:
-        """Of a wheel towards its own rail [m]."""
-        return SIDES[side] * (self.u["y"] - self.u[f"rail_y_{side}"])
+        """Of a wheel towards its own rail, as far from flange contact as without yaw [m]."""
+        shift = SIDES[side] * (self.u["y"] - self.u[f"rail_y_{side}"])
+        if not self.columns.table.yawed:
+            return shift
+        return shift + self.columns.earlier(self.yaw)
 
     def overlap(self, side: str) -> ca.SX:
         """How far a wheel is shifted beyond flange contact [m]."""
@@ -77,7 +85,7 @@ class Wheels:
         """What the rail cannot give way by under the force that lifts the tread [m], (29)."""
         if self.columns.table.flange is None:
             return ca.SX(0)
-        at = self.columns.first("flange")
+        at = self.columns.first("flange", self.yaw)
         lifting = self._lifting(side, at) * at["sine"]
         return ca.fmax(self.overlap(side) - lifting / ca.fmax(self.p["flange_stiffness"], 1), 0)
 
@@ -106,6 +114,7 @@ class Wheels:
             },
             "y_rel": relative(self.u),
             "floor_ratio": floor_ratio(self.u, self.p),
+            "yaw_rel": self.yaw,
         }
 
     def _lift(self, side: str, at: Mapping[str, Any]) -> ca.SX:
@@ -187,7 +196,7 @@ class Wheels:
     ) -> tuple[Any, Any, dict[str, Any]]:
         """Lateral force and yaw moment of the contacts of one wheel, (31), and its outputs."""
         u, p, sign, tread, flange = self.u, self.p, SIDES[side], touches[0], touches[1:]
-        yaw = u["yaw"] - u["path_yaw"]
+        yaw = self.yaw
         force_x: Any = 0
         force_y, moment_z, sizes, wear = force_x, force_x, force_x, force_x
         for touch in touches:

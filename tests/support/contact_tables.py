@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.optimize import root
 
@@ -53,6 +55,23 @@ def cone(
         rail_curvature=1 / 0.013 + 0 * climb,
     )
     return ContactTable("cone", RADIUS, tread, steep)
+
+
+def cone_at(yaw: float) -> ContactTable:
+    """The cone with a flange at a yaw [rad], after which its columns go as its square does."""
+    square, straight = yaw**2, cone()
+    nearer = {"tread": 0.24 * square, "flange": 0.0}
+    patches = {
+        name: replace(
+            patch,
+            over=patch.over - nearer[name],
+            radius=patch.radius + 0.3 * square,
+            angle=np.arcsin(np.sin(patch.angle) * (1 - 20 * square)),
+            place=patch.place - 0.7 * square,
+        )
+        for name, patch in straight.patches().items()
+    }
+    return ContactTable("cone", RADIUS, **patches)
 
 
 def circles(wheel_radius: float, rail_radius: float, angle: float) -> ContactTable:

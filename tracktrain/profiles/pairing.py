@@ -67,7 +67,14 @@ def said_of(kind: str, says: Sequence[str]) -> list[str]:
 
 
 def contact_table(
-    wheel: str | Path, rail: str | Path, pairing: Pairing | None = None, says: Sequence[str] = ()
+    wheel: str | Path,
+    rail: str | Path,
+    pairing: Pairing | None = None,
+    says: Sequence[str] = (),
+    yaw: float = 0.0,
 ) -> ContactTable:
-    """The table of a wheel and a rail, each a file or the name of a shape."""
-    return tables.contact_table(*(pairing or Pairing()).placed(wheel, rail, says))
+    """The table of a wheel and a rail, each a file or the name of a shape.
+
+    yaw: largest one [rad] of a table over yaw; 0 for one without.
+    """
+    return tables.contact_table(*(pairing or Pairing()).placed(wheel, rail, says), yaw=yaw)

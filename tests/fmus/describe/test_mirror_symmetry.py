@@ -9,7 +9,7 @@ import tolerances
 from fmus import BLOCKS
 
 FLIPPED = ("y", "roll", "yaw", "vy", "wx", "wz", "force_y", "moment_x", "moment_z", "ay", "creep_y")
-FLIPPED += ("wx_dot", "wz_dot", "y_rel", "rail_y_left", "rail_y_right")
+FLIPPED += ("wx_dot", "wz_dot", "y_rel", "yaw_rel", "rail_y_left", "rail_y_right")
 FLIPPED += ("path_yaw", "path_curvature")
 SIZE = {"m": 5e-3, "rad": 2e-3, "m/s": 0.1, "rad/s": 0.05, "N": 2e4, "N.m": 1e4, "m/s2": 1.0}
 SIZE |= {"1/m": 1e-3, "rad/s2": 0.05}

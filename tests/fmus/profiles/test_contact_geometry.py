@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -11,7 +14,9 @@ from fmus.profiles.flange import flange_of
 from fmus.profiles.geometry import Track, Wheelset, contact_geometry
 from fmus.profiles.profile import Profile
 from fmus.profiles.shapes import shape, shapes
-from fmus.profiles.tables import contact_table
+from fmus.profiles.tables import contact_table, flange_begins
+from fmus.wheelrail.columns import KINEMATIC, Columns
+from fmus.wheelrail.contact_table import as_text, of_text
 
 RADIUS, SPACING, GAUGE = 0.46, 1.5, 1.435
 SHIFTS = np.linspace(-8e-3, 8e-3, 33)
@@ -135,6 +140,56 @@ def test_yaw_of_a_cone_shifts_its_contact_by_the_taper():
     assert found.left.ahead[0] == pytest.approx(spoke + axle, abs=1e-12)
 
 
+def yawed_cone(taper: float, crown: float, centre: float, yaw: float) -> dict[str, float]:
+    """A centred cone on circles whose tops are at +-centre. Seen along the track a cone's outline
+    is a straight line through its apex, as steep as the cone over the cosine of the yaw."""
+    half = np.arctan(taper)  # angle between the cone and its axle
+    angle = np.arcsin(np.sin(half) / np.cos(yaw))
+    apex = SPACING / 2 + RADIUS / taper  # along the axle
+    place = centre - crown * np.sin(angle)
+    seen = (apex * np.cos(yaw) - place) / np.cos(angle)
+    length = seen / np.sqrt(1 - (np.sin(yaw) / np.cos(half)) ** 2)  # of the line itself
+    return {
+        "angle": angle,
+        "place": place,
+        "radius": length * np.sin(half),
+        "ahead": np.sin(yaw) * (length / np.cos(half) - apex),
+    }
+
+
+@pytest.mark.parametrize("crown", [0.012, 0.3])
+def test_a_yawed_cone_touches_a_circle_as_in_closed_form(crown):
+    rail = round_rail(crown)
+    track = Track(rail, GAUGE, 1.0)
+    centre = GAUGE / 2 + float(np.ptp(rail.points[:, 0])) / 2
+    for yaw in (0.0, 0.02, 0.06):
+        found = contact_geometry(Wheelset(cone(0.05), RADIUS, SPACING), track, [0.0], yaw).left
+        for name, value in yawed_cone(0.05, crown, centre, yaw).items():
+            assert getattr(found, name)[0] == pytest.approx(value, abs=1e-9), name
+
+
+def test_a_yawed_wheelset_rises_along_its_contact_planes():
+    """A point ahead of the axle goes sideways as the wheelset yaws, and must climb its plane."""
+    wheelset = Wheelset(shape("worn"), 0.4191, 1.5113)
+    track = Track(shape("crown"), 1.4351, 0.015875, 1 / 40)
+    step = 1e-5
+    before, here, after = (
+        contact_geometry(wheelset, track, [0.0], 0.03 + s) for s in (-step, 0.0, step)
+    )
+    rise = (after.lift[0] - before.lift[0]) / (2 * step)
+    assert rise == pytest.approx(np.tan(here.left.angle[0]) * here.left.ahead[0], rel=1e-5)
+
+
+def test_yaw_changes_contacts_evenly_and_sends_them_ahead_oddly():
+    wheelset = Wheelset(shape("worn"), 0.4191, 1.5113)
+    track = Track(shape("crown"), 1.4351, 0.015875, 1 / 40)
+    one, other = (contact_geometry(wheelset, track, SHIFTS, yaw) for yaw in (0.02, -0.02))
+    for name in ("radius", "angle", "place"):
+        np.testing.assert_allclose(getattr(one.left, name), getattr(other.left, name), atol=1e-12)
+    np.testing.assert_allclose(one.roll, other.roll, atol=1e-12)
+    np.testing.assert_allclose(one.left.ahead, -other.left.ahead, atol=1e-12)
+
+
 FLANGE_OF_CONTACT = {
     8.0: (719.8316, 0.9501, 0.9036),
     9.0: (720.4903, 0.8676, 3.2265),
@@ -183,6 +238,50 @@ def test_a_table_has_the_contacts_of_its_geometry():
         [table.tread.radius[50], table.flange.radius[-1]], at.left.radius, atol=1e-12
     )
     np.testing.assert_allclose([table.tread.roll[50], table.flange.roll[-1]], at.roll, atol=1e-12)
+
+
+@pytest.fixture(scope="module")
+def over_yaw():
+    wheelset = Wheelset(shape("worn"), 0.4191, 1.5113)
+    track = Track(shape("crown"), 1.4351, 0.015875, 1 / 40)
+    return wheelset, track, contact_table(wheelset, track, 1e-3, yaw=0.03)
+
+
+def test_a_table_over_yaw_has_the_contacts_between_its_yaw_angles(over_yaw):
+    wheelset, track, table = over_yaw
+    assert [*table.over_yaw] == [0.0, 0.015, 0.03]
+    assert table.said[-1].startswith("yaw from 0 to 30 mrad")
+    columns = Columns(table, 0.28)
+    names = ("widening", "sine", "arm", "ahead")
+    yaw = 0.022
+    earlier, clearance = float(columns.earlier(yaw)), flange_begins(wheelset, track, yaw)[0]
+    assert table.clearance - earlier == pytest.approx(clearance, abs=3e-7)
+    assert earlier > 1e-4
+    for patch, shift, at in (
+        ("tread", 4e-3, 4e-3 + earlier),
+        ("tread", -6e-3, -6e-3 + earlier),
+        ("flange", clearance + 8e-4, 8e-4 - np.argmax(table.flange.angle) * table.flange.over[1]),
+    ):
+        direct = contact_geometry(wheelset, track, [shift], yaw).left[0]
+        found = dict(zip(names, ca.vertsplit(columns.spline(patch, names)(at, yaw)), strict=True))
+        assert float(found["widening"]) == pytest.approx(direct.radius / 0.4191 - 1, abs=1e-5)
+        assert float(found["sine"]) == pytest.approx(np.sin(direct.angle), abs=5e-5)
+        assert float(found["arm"]) == pytest.approx(direct.place, abs=2e-6)
+        assert float(found["ahead"]) * yaw == pytest.approx(direct.ahead, rel=2e-3)
+
+
+def test_without_yaw_a_table_over_yaw_is_the_one_that_has_none(over_yaw):
+    wheelset, track, table = over_yaw
+    plain = contact_table(wheelset, track, 1e-3)
+    assert as_text(replace(table, said=plain.said, yawed={})) == as_text(plain)
+    again = of_text(as_text(table))
+    assert as_text(again) == as_text(table)
+    assert again.yawed[0.03].clearance == table.yawed[0.03].clearance
+    straight, yawed = Columns(plain, 0.28), Columns(table, 0.28)
+    one = straight.spline("tread", KINEMATIC)(2e-3)
+    other = yawed.spline("tread", KINEMATIC)(2e-3, 0.0)
+    np.testing.assert_allclose(one.full(), other.full(), rtol=1e-14, atol=1e-16)
+    assert float(yawed.earlier(0.0)) == 0.0
 
 
 def test_a_table_of_a_contact_that_jumps_on_the_tread_goes_from_one_place_to_the_other():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,7 @@ from fmus.errors import ParameterError
 from fmus.wheelrail.block import CREEP_LAWS
 from fmus.wheelrail.contact_table import ContactTable, as_text
 from fmus.wheelrail.profiled import ProfiledWheelRail
-from support.contact_tables import CLEARANCE, RADIUS, SPACING, circles, cone
+from support.contact_tables import CLEARANCE, RADIUS, SPACING, circles, cone, cone_at
 
 POISSON = 0.28
 SIDES = {"left": 1, "right": -1}
@@ -218,6 +220,48 @@ def test_derivatives_are_exact_on_tread_flange_and_climb(coned, y):
         assert exact == pytest.approx(found, rel=2e-4, abs=1e-6 * np.abs(found).max())
 
 
+@pytest.fixture(scope="module")
+def over_yaw():
+    return block(replace(cone_at(0.0), yawed={yaw: cone_at(yaw) for yaw in (0.01, 0.02)}))
+
+
+def test_between_its_yaw_angles_a_table_is_that_of_the_yaw(coned, over_yaw):
+    """Tread, flange that only a yawed wheel has on its rail, climb. To the square of the yaw, which
+    a table of one yaw leaves out between contact plane and axle."""
+    at_yaw = block(cone_at(0.015))
+    for y, law in ((4e-3, "linear"), (7.98e-3, "polach"), (0.0195, "linear"), (0.0195, "polach")):
+        motion = {"y": y, "yaw": 0.017, "path_yaw": 0.002, "vy": 0.01, "speed": 15.0}
+        found, expected = (
+            outputs(twin(made, law, motion, gravity_yaw=1.0)) for made in (over_yaw, at_yaw)
+        )
+        assert found["yaw_rel"] == pytest.approx(0.015)
+        for name, value in expected.items():
+            largest = STATIC if "force" in name or "moment" in name else 1.0
+            assert found[name] == pytest.approx(value, rel=1e-3, abs=1e-6 * largest), name
+        straight = outputs(twin(coned, law, motion))
+        assert found["left.clearance"] == pytest.approx(straight["left.clearance"] - 5.4e-5)
+    assert found["left.climb"] > 1e-3
+
+
+@pytest.mark.parametrize("y", [7.98e-3, 0.0195])
+def test_derivatives_by_yaw_are_exact_in_a_table_over_yaw(over_yaw, y):
+    motion = {"y": y, "yaw": 0.013, "vy": 0.01, "wz": 5e-3, "speed": 15.0}
+    exact = twin(over_yaw, "polach", motion).directional({"yaw": 1.0})
+    ends = [twin(over_yaw, "polach", {**motion, "yaw": 0.013 + s}).outputs() for s in (1e-8, -1e-8)]
+    found = (ends[0] - ends[1]) / 2e-8
+    assert exact == pytest.approx(found, rel=2e-4, abs=1e-6 * np.abs(found).max())
+
+
+def test_a_table_holds_for_the_yaw_that_it_has(coned, over_yaw):
+    for made, largest in (
+        (coned, 0.02),
+        (over_yaw, 0.02),
+        (block(replace(cone_at(0.0), yawed={0.05: cone_at(0.05)})), 0.05),
+    ):
+        (limit,) = (limit for limit in made.limits if limit.name == "yaw")
+        assert (limit.least, limit.largest) == (-largest, largest)
+
+
 def test_what_makes_no_table_is_refused():
     good = cone()
     with pytest.raises(ParameterError, match="from 0"):
@@ -228,4 +272,8 @@ def test_what_makes_no_table_is_refused():
         cone(flange=np.radians(90.0))
     with pytest.raises(ParameterError, match="sum of the two curvatures"):
         cone(wheel_curvature=-5.0)
+    with pytest.raises(ParameterError, match="above zero, rising"):
+        replace(good, yawed={-0.01: good})
+    with pytest.raises(ParameterError, match="other nodes, patches or another radius"):
+        replace(good, yawed={0.01: cone(flange=None)})
     assert as_text(good).count("\n") == 2 + 1 + good.tread.over.size + good.flange.over.size

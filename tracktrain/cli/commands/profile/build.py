@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from ....options.fmu import fmi_option, target_option
-from ....options.profiles import pairing_options
+from ....options.profiles import YAW, pairing_options
 from ....terminal import writable
 
 
@@ -17,6 +17,7 @@ from ....terminal import writable
 Examples:
   tracktrain profile build worn crown -o worn.fmu
   tracktrain profile build my_wheel.csv 60e1 --gauge "1435 mm" --gauge-depth "14 mm" --target all
+  tracktrain profile build worn crown --yaw "40 mrad" -o yawed.fmu
   tracktrain run --wheel worn.fmu --set wheelset_11.creep_law=polach \\
       --set wheelset_12.creep_law=polach --set wheelset_21.creep_law=polach \\
       --set wheelset_22.creep_law=polach"""
@@ -30,11 +31,24 @@ Examples:
     metavar="FILE",
     help="FMU to write.  [default: WHEEL_RAIL.fmu]",
 )
+@click.option(
+    "--yaw",
+    type=YAW,
+    metavar="ANGLE",
+    help="Solve the contacts over yaw, too, up to this one, 100 mrad at most; it matters from some "
+    "20 mrad on.  [default: those of no yaw]",
+)
 @fmi_option()
 @target_option()
 @pairing_options()
 def command(
-    wheel: str, rail: str, out: Path | None, fmi: str, targets: tuple[str, ...], **pairing: Any
+    wheel: str,
+    rail: str,
+    out: Path | None,
+    yaw: float | None,
+    fmi: str,
+    targets: tuple[str, ...],
+    **pairing: Any,
 ) -> None:
     """Make the FMU of a wheelset on two rails, for this car or for another tool.
 
@@ -45,7 +59,7 @@ def command(
     from ....profiles.pairing import Pairing, contact_table
 
     says = pairing.pop("says")
-    table = contact_table(wheel, rail, Pairing(**pairing), says)
+    table = contact_table(wheel, rail, Pairing(**pairing), says, yaw or 0.0)
     path = out or Path(f"{Path(wheel).stem}_{Path(rail).stem}.fmu")
     writable(path.parent)
     build_wheelrail(table, path, fmi, targets)
