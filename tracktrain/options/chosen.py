@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +32,7 @@ from .types import Assignment, Quantity
 
 if TYPE_CHECKING:
     from fmus.track.recorded_data import TrackData
+    from fmus.wheelrail.contact_table import ContactTable
     from orchestrator import PortMap, System
 
 Assigned = tuple[str, str, str]
@@ -214,23 +216,35 @@ def _own_track(system: System, shape: Shape) -> TrackData:
 def _on_profiles(system: System, shape: Shape) -> tuple[System, list[str]]:
     """The car on profiles, of a wheel and a rail or of an FMU that was made of such; and notes."""
     from ..car.wheelsets import nominal_radius, with_profiles
+
+    check_pair(shape.wheel, shape.rail)
+    if shape.wheel is None or shape.rail is None:
+        return with_profiles(system, Path(str(shape.wheel)))
+    files = [path for path in map(Path, (shape.wheel, shape.rail)) if path.is_file()]
+    held = tuple(path.read_bytes() for path in files)
+    return with_profiles(system, _table(shape.wheel, shape.rail, nominal_radius(system), held))
+
+
+@lru_cache(maxsize=8)
+def _table(wheel: str, rail: str, radius: float, held: tuple[bytes, ...]) -> ContactTable:
+    """The contact table, once for all runs of a process. held: what the files have in them."""
     from ..profiles.pairing import Pairing, contact_table
 
-    if shape.wheel is not None and Path(shape.wheel).suffix.lower() == ".fmu":
-        if shape.rail is not None:
+    return contact_table(wheel, rail, Pairing(rolling_radius=radius))
+
+
+def check_pair(wheel: str | None, rail: str | None) -> None:
+    """Raise TracktrainError for half a pair of profiles, and for a rail beside an FMU of both."""
+    if wheel is not None and Path(wheel).suffix.lower() == ".fmu":
+        if rail is not None:
             raise TracktrainError(
-                f"'{shape.wheel}' has its rail already; leave out --rail, or give the wheel's "
-                "own profile"
+                f"'{wheel}' has its rail already; leave out --rail, or give the wheel's own profile"
             )
-        return with_profiles(system, Path(shape.wheel))
-    if shape.wheel is None or shape.rail is None:
-        given, other = ("--wheel", "--rail") if shape.rail is None else ("--rail", "--wheel")
+    elif (wheel is None) != (rail is None):
+        given, other = ("--wheel", "--rail") if rail is None else ("--rail", "--wheel")
         raise TracktrainError(
             f"{given} alone makes no contact; give {other}, too: a file, or the name of a profile"
         )
-    radius = nominal_radius(system)
-    table = contact_table(shape.wheel, shape.rail, Pairing(rolling_radius=radius))
-    return with_profiles(system, table)
 
 
 def chosen_file(

@@ -6,23 +6,28 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..car.changes import assigned
 from ..car.hopper import CARS, TRACKS, hopper_car, instances
 from ..errors import TracktrainError, choices
+from ..options.car import is_track_file
 from ..options.master import MASTERS
 
 if TYPE_CHECKING:
     from orchestrator import System
 
-Given = str | float | Sequence[Any]
+Given = str | float | Path | Sequence[Any]
 
 QUANTITIES = {"speed": "m/s", "duration": "s", "step": "s"}
 """Options with a unit, and the one that a run takes them in."""
 
 NAMED = {"car": CARS, "track": TRACKS, "master": MASTERS}
-"""Options that are one of some names."""
+"""Options that are one of some names; a track is also a file."""
+
+FILES = ("layout", "wheel", "rail")
+"""Options that are files; a wheel and a rail are also names of shapes."""
 
 NUMBER_THEN_UNIT = re.compile(
     r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf)(?!\w))\s*(?P<unit>.*?)\s*",
@@ -30,12 +35,17 @@ NUMBER_THEN_UNIT = re.compile(
 )
 """A value of a range or a list, which may be a whole number."""
 
-OPTIONS = (*QUANTITIES, "seed", *NAMED)
+TEXTS = (*NAMED, *FILES)
+
+OPTIONS = (*QUANTITIES, "seed", *TEXTS)
 
 MOST = 1_000_000
 """Values of a range; more are a slip of the pen."""
 
-EXAMPLE = "speed=20:140:5ft/s, seed=1:50, car=loaded,empty or instance.parameter=1:5:1mm"
+EXAMPLE = (
+    "speed=20:140:5ft/s, seed=1:50, car=loaded,empty, wheel=new.csv,worn.csv or "
+    "instance.parameter=1:5:1mm"
+)
 
 
 class SweepError(TracktrainError, ValueError):
@@ -86,9 +96,10 @@ def make_axis(name: str, given: Given) -> Axis:
     Numbers without a unit are in the one that the option or the parameter has.
     """
     if isinstance(given, str):
-        values, unit = _range(name, given) if ":" in given else _list(name, given)
+        ranged = ":" in given and name not in TEXTS
+        values, unit = _range(name, given) if ranged else _list(name, given)
     else:
-        plain: Iterable[Any] = [given] if isinstance(given, float | int) else given
+        plain: Iterable[Any] = [given] if isinstance(given, float | int | Path) else given
         values, unit = tuple(_plain(value) for value in plain), ""
         if any(isinstance(value, str) for value in values):
             values, unit = _list(name, ",".join(map(str, values)))
@@ -110,7 +121,7 @@ def shaped(axes: Sequence[Axis], point: Sequence[Any], shape: Mapping[str, Any])
         if axis.name in QUANTITIES:
             options[axis.name] = _converted(axis, value)
         elif axis.name in OPTIONS:
-            options[axis.name] = value
+            options[axis.name] = Path(value) if axis.name == "layout" else value
         else:
             instance, _, parameter = axis.name.partition(".")
             changed = (instance, parameter, axis.text(value))
@@ -119,7 +130,9 @@ def shaped(axes: Sequence[Axis], point: Sequence[Any], shape: Mapping[str, Any])
 
 
 def _plain(value: Any) -> Any:
-    """A number of numpy's as Python's own."""
+    """A number of numpy's as Python's own, a path as text."""
+    if isinstance(value, Path):
+        return str(value)
     return value.item() if hasattr(value, "item") else value
 
 
@@ -149,7 +162,7 @@ def _range(name: str, text: str) -> tuple[tuple[float | int, ...], str]:
 def _list(name: str, text: str) -> tuple[tuple[float | int | str, ...], str]:
     """Values of a list, numbers where all are; a unit may follow each or the last."""
     parts = [part.strip() for part in text.split(",")]
-    if name in NAMED or any(not part for part in parts):
+    if name in TEXTS or any(not part for part in parts):
         return tuple(part for part in parts if part), ""
     found = [NUMBER_THEN_UNIT.fullmatch(part) for part in parts]
     units = {match["unit"] for match in found if match is not None and match["unit"]}
@@ -175,11 +188,15 @@ def _check(axis: Axis) -> None:
     """Raise SweepError for what no run could have."""
     name = axis.name
     if name in NAMED:
-        for value in axis.values:
-            if value not in NAMED[name]:
-                raise SweepError(
-                    f"there is no {name} '{value}'; {choices(str(value), NAMED[name])}"
-                )
+        for item in map(str, axis.values):
+            if item in NAMED[name]:
+                continue
+            if name != "track" or not is_track_file(item):
+                raise SweepError(f"there is no {name} '{item}'; {choices(item, NAMED[name])}")
+            _check_there(name, item)
+    elif name in FILES:
+        for item in map(str, axis.values):
+            _check_file(name, item)
     elif name == "seed":
         if axis.unit or not all(isinstance(value, int) for value in axis.values):
             raise SweepError("a seed is a whole number, as in seed=1:50")
@@ -191,6 +208,24 @@ def _check(axis: Axis) -> None:
                 )
     else:
         _check_parameter(axis)
+
+
+def _check_file(name: str, value: str) -> None:
+    """Raise for a line or a profile that cannot be read."""
+    from ..geometry.layout import read_layout
+    from ..profiles.reading import profile_of
+
+    if name == "layout":
+        read_layout(value)
+    elif Path(value).suffix.lower() == ".fmu":
+        _check_there(name, value)
+    else:
+        profile_of(value, kind="rail" if name == "rail" else "wheel")
+
+
+def _check_there(name: str, value: str) -> None:
+    if not Path(value).is_file():
+        raise SweepError(f"there is no file '{value}' for the axis {name}")
 
 
 def _check_parameter(axis: Axis) -> None:
@@ -234,8 +269,6 @@ def _unit_of(name: str) -> str:
 
 
 def _variables(instance: str) -> Mapping[str, Any]:
-    from pathlib import Path
-
     from orchestrator import describe
 
     return describe(Path(str(_car_with(instance).components[instance].fmu))).variables

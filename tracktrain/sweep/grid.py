@@ -17,7 +17,7 @@ from orchestrator import in_unit, owned
 from ..car.hopper import CARS, hopper_car
 from ..errors import choices
 from ..options.car import fmu_of
-from ..options.chosen import Shape
+from ..options.chosen import Shape, check_pair
 from ..options.master import USUAL as COUPLED
 from ..terminal import Progress, unseen
 from .axes import QUANTITIES, Axis, Given, SweepError, make_axis, shaped
@@ -46,8 +46,9 @@ def sweep(
 ) -> xr.Dataset:
     """Run the car at every point of a grid; rms, peak and dominant frequency of its outputs.
 
-    over: by "speed", "seed", "car", "track", "duration", "step", "master" or
-    "instance.parameter" the values, as "60:100:20 ft/s", "loaded,empty" or a sequence [SI].
+    over: by "speed", "seed", "car", "track", "layout", "wheel", "rail", "duration", "step",
+    "master" or "instance.parameter" the values, as "60:100:20 ft/s", "loaded,empty", names of files
+    or a sequence [SI].
     out: folder for rows.jsonl, which has each run as soon as it is done, and in the end sweep.csv
     and sweep.nc; a sweep that was stopped goes on from there. outputs: names or patterns; those
     that a run prints when None.
@@ -58,6 +59,7 @@ def sweep(
     axes = _axes(over)
     outputs = [outputs] if isinstance(outputs, str) else outputs
     shape = _shape(options, axes)
+    _check_pairs(axes, shape)
     points = list(product(*(axis.values for axis in axes)))
     with ExitStack() as stack:
         folder = Path(out or stack.enter_context(tempfile.TemporaryDirectory()))
@@ -113,9 +115,25 @@ def _shape(options: Mapping[str, Any], axes: Sequence[Axis]) -> dict[str, Any]:
     return shape
 
 
-def _digest(path: Path | None) -> str:
-    """What a file holds, in short."""
-    return "" if path is None else hashlib.sha256(path.read_bytes()).hexdigest()
+def _check_pairs(axes: Sequence[Axis], shape: Mapping[str, Any]) -> None:
+    """Raise TracktrainError for wheels and rails that make no contact, before any run is made."""
+    values: dict[str, Sequence[Any]] = {axis.name: axis.values for axis in axes}
+    wheels, rails = (values.get(name, (shape.get(name),)) for name in ("wheel", "rail"))
+    for wheel, rail in product(wheels, rails):
+        check_pair(wheel, rail)
+
+
+def _files(axes: Sequence[Axis], shape: Mapping[str, Any]) -> dict[str, str]:
+    """All files that the runs read, and what each holds, in short."""
+    given = [*shape.values(), *(value for axis in axes for value in axis.values)]
+    for assigned in ("drives", "maps"):
+        given += [file for _, _, file in shape[assigned]]
+    paths = {Path(value) for value in given if isinstance(value, str | Path)}
+    return {
+        str(path): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in sorted(paths)
+        if path.is_file()
+    }
 
 
 def _asked(
@@ -133,6 +151,6 @@ def _asked(
         "over": {axis.label: axis.values for axis in axes},
         "options": shape,
         "outputs": outputs or list(printed),
-        "carbody": _digest(shape.get("carbody")),
+        "files": _files(axes, shape),
         "FMUs": {path.name: describe(path).sha256 for path in sorted(fmus)},
     }

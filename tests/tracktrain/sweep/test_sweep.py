@@ -21,6 +21,7 @@ from orchestrator.results.metrics import dominant_frequency, peak, rms
 from support.sweep_rows import squared
 from tracktrain.car.hopper import hopper_car
 from tracktrain.cli.main import main
+from tracktrain.errors import TracktrainError
 from tracktrain.options.master import COUPLING
 from tracktrain.scales import FOOT
 from tracktrain.sweep import sweep
@@ -74,6 +75,70 @@ def test_what_cannot_be_swept_over_is_said(text, said):
     with pytest.raises((SweepError, ValueError)) as raised:
         read_axis(text)
     assert said in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("wheel=conical,wron", "worn"),
+        ("wheel=crown", "is a rail, and a wheel is wanted"),
+        ("wheel=lost.fmu", "there is no file 'lost.fmu'"),
+        ("layout=lost.toml", "lost.toml"),
+        ("track=fra4,lost.csv", "there is no file 'lost.csv'"),
+    ],
+)
+def test_a_file_that_cannot_be_read_is_said_before_any_run(text, said):
+    with pytest.raises(ValueError, match=said):
+        read_axis(text)
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """The options of the runs of a sweep, which are not made."""
+    options = []
+
+    def noted(given, **rest):
+        options.append(given)
+        return {"units": {}, "message": "", "verdict": ""}
+
+    monkeypatch.setattr("tracktrain.sweep.grid.run_one", noted)
+    return options
+
+
+CURVE = """\
+kind,length [m],radius [m],direction,cant [mm]
+straight,50,,,
+transition,30,,,
+curve,100,600,left,50
+"""
+
+
+def test_profiles_and_lines_are_axes_like_any_other(tmp_path, asked):
+    curve = tmp_path / "a:curve.csv"
+    curve.write_text(CURVE)
+    over = {"wheel": "conical,worn", "layout": [curve], "speed": "30,40 mph"}
+    table = sweep(over, rail="crown", workers=1)
+    assert table["done"].dims == ("wheel", "layout", "speed")
+    pairs = [(o["wheel"], o["rail"], o["layout"]) for o in asked]
+    assert pairs == [("conical", "crown", curve)] * 2 + [("worn", "crown", curve)] * 2
+
+
+def test_half_a_pair_of_profiles_is_refused_before_any_run(asked):
+    with pytest.raises(TracktrainError, match="give --rail, too"):
+        sweep({"wheel": "conical,worn"}, workers=1)
+    assert not asked
+
+
+def test_a_sweep_does_not_go_on_with_a_file_that_was_changed(tmp_path, asked):
+    curve = tmp_path / "curve.csv"
+    curve.write_text(CURVE)
+    over, out = {"speed": "30,40 mph"}, tmp_path / "sweep"
+    sweep(over, layout=curve, out=out, workers=1)
+    sweep(over, layout=curve, out=out, workers=1)
+    assert len(asked) == 2
+    curve.write_text(CURVE.replace("600", "500"))
+    with pytest.raises(SweepError, match="files ="):
+        sweep(over, layout=curve, out=out, workers=1)
 
 
 def test_numbers_without_a_unit_are_in_si_units():

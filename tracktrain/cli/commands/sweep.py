@@ -25,6 +25,7 @@ Examples:
   tracktrain sweep --over car=loaded,empty --over speed=40:120:10ft/s --track fra4
   tracktrain sweep --over wheelset_11.conicity=0.02:0.2:0.02 --workers 4
   tracktrain sweep --over truck_front.initial.yaw=0.1:1:0.1deg --track perfect
+  tracktrain sweep --over wheel=conical,worn --rail crown --over layout=a.toml,b.toml
   tracktrain sweep --over seed=1:1000 --scheduler tcp://node1:8786 --out many"""
 )
 @click.option(
@@ -33,9 +34,9 @@ Examples:
     multiple=True,
     required=True,
     metavar="NAME=VALUES",
-    help="What to sweep over: speed, seed, car, track, duration, step, master or an "
-    "instance.parameter; as start:stop:step with a unit, or a list with commas. Repeatable: all "
-    "combinations are run.",
+    help="What to sweep over: speed, seed, car, track, layout, wheel, rail, duration, step, master "
+    "or an instance.parameter; as start:stop:step with a unit, or a list with commas, of files, "
+    "too. Repeatable: all combinations are run.",
 )
 @system_options
 @master_options
