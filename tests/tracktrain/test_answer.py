@@ -11,6 +11,7 @@ import xarray as xr
 from orchestrator import Level, Verdict, simulate
 from tracktrain import answer, hopper_car
 from tracktrain.answer import counted, parts
+from tracktrain.answer.numbers import of_numbers
 from tracktrain.answer.standing import Standing
 from tracktrain.scales import FOOT
 
@@ -104,6 +105,16 @@ def test_the_numbers_of_a_run_have_a_band_and_what_to_measure():
     assert "77 numbers of the empty car have a range" in said.text
     assert "most by conicity" in said.text and "whether it hunts at this speed is open" in said.text
     assert "the run changes 1 number" in said.text
+
+
+def test_the_band_of_cones_is_not_said_to_be_that_of_a_run_on_profiles(monkeypatch):
+    run = simulate(hopper_car("empty", 50 * FOOT), duration=0.1).dataset
+    ran = ("wheelset_11", "wheelset_12")
+    monkeypatch.setattr("tracktrain.answer.numbers.swapped", lambda dataset, layout: ran)
+    level, said = of_numbers(run)
+    assert level is Level.DOUBTFUL
+    assert "the band of cones and not of what ran as wheelset_11, wheelset_12" in said
+    assert "hunts at this speed" not in said
 
 
 def test_a_run_whose_speed_changes_is_not_judged_as_one_at_a_speed(monkeypatch):

@@ -13,6 +13,7 @@ from orchestrator import Level, Provenance, Responses
 from ..car.hopper import CARS, layout_of
 from ..results import mean_speed
 from ..scales import MILE_PER_HOUR
+from .standing import swapped
 
 TODO = "`tracktrain study uncertainty` has the bands of its other answers"
 
@@ -41,12 +42,32 @@ def of_numbers(dataset: Responses) -> tuple[Level, str]:
         f"{low / MILE_PER_HOUR:.0f} to {high / MILE_PER_HOUR:.0f} mph (5 to 95 %), most by "
         f"{band['most']} ({100 * band['share']:.0f} %), which to measure would pay most"
     )
-    if speed is not None and low < speed < high:
+    others = _others(dataset)
+    if others:
+        text += (
+            f"; that is the band {others}, and how far the critical speed of the car that ran may "
+            "be off is not computed"
+        )
+    elif speed is not None and low < speed < high:
         text += "; whether it hunts at this speed is open"
     if changed:
         what = "number" if changed == 1 else "numbers"
         text += f"; the run changes {changed} {what}, and the band was computed without that"
     return Level.DOUBTFUL, f"{text}; {TODO}."
+
+
+def _others(dataset: Responses) -> str:
+    """Of which car the band is instead of that with the FMUs that ran; "" where they are ours."""
+    layout = layout_of(dataset)
+    by_block: dict[str, list[str]] = {}
+    for instance in swapped(dataset, layout):
+        by_block.setdefault(layout.blocks[instance], []).append(instance)
+    named = [
+        f"{'cones' if block == 'wheelrail' else f'our own {block}'} and not of what ran as "
+        f"{', '.join(names)}"
+        for block, names in by_block.items()
+    ]
+    return f"of {'; of '.join(named)}" if named else ""
 
 
 def _nearest(dataset: Responses) -> tuple[str, int] | None:

@@ -96,7 +96,7 @@ def linear_of(dataset: Responses) -> tuple[LinearMotion, tuple[str, ...]] | None
     linear = _made(layout, json.dumps(given), data and fmu, json.dumps(wheelsets))
     return linear, tuple(
         f"the FMU of {instance}"
-        for instance in _swapped(dataset, layout)
+        for instance in swapped(dataset, layout)
         if instance not in wheelsets
     )
 
@@ -147,7 +147,7 @@ def _given(dataset: Responses, instance: str) -> dict[str, Any]:
     }
 
 
-def _swapped(dataset: Responses, layout: Layout) -> tuple[str, ...]:
+def swapped(dataset: Responses, layout: Layout) -> tuple[str, ...]:
     """Instances whose FMU is another than that of most of their block."""
     fmus = Provenance.of(dataset).fmus
     found = []
