@@ -5,6 +5,7 @@ Those of the shipped parameter sets are known here: pint takes a second to load.
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +20,7 @@ LBF = POUND * 9.80665
 
 GAINS = {
     ("GPa", "Pa"): 1e9,
+    ("deg", "rad"): math.pi / 180,
     ("in", "m"): INCH,
     ("lb", "kg"): POUND,
     ("lbf", "N"): LBF,

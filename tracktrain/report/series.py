@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,9 @@ POINTS = 6000
 LINES = 320
 """Most lines of a spectrum."""
 
+TOGETHER = 24
+"""Signals whose spectra are taken at once: a call costs as much as a short signal."""
+
 SEGMENTS = 4
 """Parts of the run that a spectrum is averaged over, overlapping by half, one more than twice."""
 
@@ -40,12 +44,14 @@ def signals(
     width = max(int(np.ceil(2 * len(time) / points)), 3) if len(time) > points else 1
     rate = (len(time) - 1) / float(time[-1] - time[0])
     said, curves, densities, frequency = [], [], [], np.empty(0)
-    for name, variable in each(dataset, [str(name) for name in dataset.data_vars]):
-        values = np.asarray(variable.values, dtype=float)
-        said.append(_described(name, variable.attrs, values))
-        curves.append(envelope(values, width))
-        frequency, density = spectrum(values, rate)
-        densities.append(density)
+    read = each(dataset, [str(name) for name in dataset.data_vars])
+    while together := list(islice(read, TOGETHER)):
+        rows = np.array([variable.values for _, variable in together], dtype=float)
+        for (name, variable), values in zip(together, rows, strict=True):
+            said.append(_described(name, variable.attrs, values))
+            curves.append(envelope(values, width))
+        frequency, density = spectrum(rows, rate)
+        densities.extend(density)
     arrays = {
         "time": envelope_time(time, width),
         "signals": np.array(curves),
@@ -65,17 +71,20 @@ def first(dataset: Responses) -> list[str]:
 def spectrum(values: Array, rate: float) -> tuple[Array, Array]:
     """Frequencies [Hz] and the one-sided power spectral density of rows at a rate [Hz].
 
+    values: of one signal (rows), or of several (signals, rows); so is the density (..., lines).
+
     Welch's estimate with Hann windows; above the lowest lines those that fall together on a
     logarithmic axis are averaged.
     """
-    length = max(len(values) // SEGMENTS, min(len(values), 16))
+    count = values.shape[-1]
+    length = max(count // SEGMENTS, min(count, 16))
     frequency, density = welch(values, rate, nperseg=length, detrend="linear")
-    frequency, density = frequency[1:], density[1:]
+    frequency, density = frequency[1:], density[..., 1:]
     edges = np.unique(np.geomspace(1, len(frequency) + 1, LINES + 1).round().astype(int)) - 1
-    count = np.diff(edges)
+    lines = np.diff(edges)
     return (
-        np.add.reduceat(frequency, edges[:-1]) / count,
-        np.add.reduceat(density, edges[:-1]) / count,
+        np.add.reduceat(frequency, edges[:-1]) / lines,
+        np.add.reduceat(density, edges[:-1], axis=-1) / lines,
     )
 
 

@@ -42,3 +42,19 @@ def test_a_run_loads_only_what_it_uses_and_needs_nothing_of_the_extra_build(tmp_
         assert refused.startswith("2 Error: this needs the package casadi, which is not installed")
         assert refused.endswith("python -m pip install 'tracktrain[build]'")
     assert (tmp_path / "out/carbody.png").exists() and len(lines) == 6
+
+
+PAGE = f"""
+import sys
+from click.testing import CliRunner
+from tracktrain.cli.main import main
+if __name__ == "__main__":
+    arguments = ["run", "--duration", "0.1s", "--out", "out", "--report"]
+    print(CliRunner().invoke(main, arguments).exit_code)
+    print([name for name in {(*UNUSED, "scipy.signal")} if name in sys.modules])
+"""
+
+
+def test_a_run_leaves_what_its_page_takes_to_a_process_beside_it(tmp_path):
+    assert run_script(PAGE, tmp_path, path=str(ROOT)).splitlines() == ["0", "[]"]
+    assert "</html>" in (tmp_path / "out/report.html").read_text()

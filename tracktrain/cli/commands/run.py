@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from orchestrator import Run, Sink, System
 
     from ...answer import Part
+    from ..page_beside import PageBeside
 
 PARTS = "answer"
 """Attribute of the results that has the verdict in parts, a line each."""
@@ -139,9 +140,9 @@ def command(
     how, coupled, trust = survival(options), coupling(options), trusted(options)
     kept, isolate, shape = Kept.taken(options), options.pop("isolate"), Shape.taken(options)
     counting = Counting.taken(options)
-    resume = kept.resume
-    folder = writable(resume or out)
+    resume, folder = kept.resume, writable(kept.resume or out)
     ctx.with_resource(orchestrator.owned(folder, for_runs=True))
+    beside = ctx.with_resource(_beside()) if kept.page else None
     start: Callable[..., Run]
     if resume is not None:
         others = {param.name or "" for param in ctx.command.params} - {*RESUMED}
@@ -187,7 +188,7 @@ def command(
                 system, outputs=outputs, twin=trust["twin"], run=result, **settings
             )
         stage("writing")
-        lost = _write(result, folder, kept.csv, kept.page)
+        lost = _write(result, folder, kept.csv, beside)
         if resume is None and kept.again is None and shape.settings:
             stage("comparing")
             lost += _idle(result, system, file, ssd, shape, settings)
@@ -235,22 +236,29 @@ def _print_schema(ctx: click.Context) -> None:
     ctx.exit()
 
 
-def _write(result: Run, folder: Path, csv: bool, page: bool) -> list[str]:
-    """Write what is made of results.nc, and say what could not be."""
+def _beside() -> PageBeside:
+    from ..page_beside import PageBeside
+
+    return PageBeside()
+
+
+def _write(result: Run, folder: Path, csv: bool, beside: PageBeside | None) -> list[str]:
+    """Write what is made of results.nc, the page beside it, and say what could not be."""
     from ... import plots
     from ...results import clear_earlier, read_bonds, write_bonds
+    from ..page_beside import finished
 
     notes: list[str] = []
     try:
         notes = clear_earlier(folder)
         write_bonds(result, folder)
+        bonds = read_bonds(folder)
+        page = beside.begin(folder, bonds) if beside else None
         plots.write_pictures(result.signals, folder)
-        if page:
-            from ...report import write_report
-
-            write_report(result, folder, read_bonds(folder))
         if csv:
             result.write_csv(folder)
+        if page:
+            finished(page, folder, bonds)
     except OSError as error:
         if result.completed:
             raise
