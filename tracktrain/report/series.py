@@ -43,7 +43,8 @@ def signals(
     time = dataset["time"].values
     width = max(int(np.ceil(2 * len(time) / points)), 3) if len(time) > points else 1
     rate = (len(time) - 1) / float(time[-1] - time[0])
-    said, curves, densities, frequency = [], [], [], np.empty(0)
+    said, curves, frequency = [], [], np.empty(0)
+    densities: list[Array] = []
     read = each(dataset, [str(name) for name in dataset.data_vars])
     while together := list(islice(read, TOGETHER)):
         rows = np.array([variable.values for _, variable in together], dtype=float)
