@@ -10,9 +10,9 @@ import casadi as ca
 from ..describe.block import Block, Signals
 from ..describe.terminals import RAILS, WHEELSET, Terminal
 from ..describe.variables import Input, Output, Parameter, choice
-from .creep import LAWS, Law
+from .creep import LAWS, Contact, Law
 from .loaded_contact import loaded_contact, static_contact
-from .rolling import Rotation, at_rest, common_creepage, differentiable
+from .rolling import FIELDS, Rotation, at_rest, common_creepage, differentiable
 
 SIDES = {"left": 1, "right": -1}
 """Sides of the wheelset, with the sign of their y."""
@@ -222,17 +222,19 @@ class WheelRail(Block):
             found = self._outputs(law, *at)
             return [ca.vertcat(*(found[n] for n in outputs or (v.name for v in self.outputs)))]
 
-        forces = self._of_signals("forces", kind, wanted, common=(1, 1))
+        # The search's contacts are those of the forces: each has its cube root once.
+        shapes = {"contacts": (FIELDS, len(SIDES)), "grips": (len(SIDES), 1)} if law else {}
+        forces = self._of_signals("forces", kind, wanted, common=(1, 1), **shapes)
         # Without a root to find all is one expression, which costs least.
         outer: Any = ca.MX if law else ca.SX
         x, lookup = outer(0, 1), outer(0, 0)
         u, p = (outer.sym(n, len(v)) for n, v in (("u", self.inputs), ("p", self.parameters)))
-        d, common = outer.sym("d", len(self.derived_shapes)), outer(0)
+        d, turned = outer.sym("d", len(self.derived_shapes)), [outer(0)]
         if law:
             wheels = self._of_signals("wheels", ca.SX, _wheels)(u, p, d)
-            common = rotation(law, kind, len(SIDES))(*wheels)
+            turned = [rotation(law, kind, len(SIDES))(*wheels), *wheels[:2]]
         return ca.Function(
-            name or law_name, [x, u, p, d, lookup], [forces(u, p, d, common)], options or {}
+            name or law_name, [x, u, p, d, lookup], [forces(u, p, d, *turned)], options or {}
         )
 
     def _of_signals(
@@ -253,9 +255,12 @@ class WheelRail(Block):
         return ca.Function(name, [u, p, d, *further], found)
 
     def _outputs(
-        self, law: Law | None, u: Signals, p: Signals, d: Signals, common: ca.SX
+        self, law: Law | None, u: Signals, p: Signals, d: Signals, common: ca.SX, *loaded: Any
     ) -> Signals:
-        """All outputs; common: the creepage of both wheels that their rotation leaves."""
+        """All outputs; common: the creepage of both wheels that their rotation leaves.
+
+        loaded: contacts and grips, as of `_wheels`, for a creep law.
+        """
         half_spacing = p["half_contact_spacing"]
         y_rel, creepages = _creepages(u, p)
         if not law:  # (22) in closed form
@@ -267,15 +272,14 @@ class WheelRail(Block):
         force_y = gravity
         moment_z = p["gravity_yaw"] * p["axle_load"] * half_spacing * p["conicity"] * u["yaw"]
         y: dict[str, ca.SX] = {}
-        for side, sign in SIDES.items():
+        for i, (side, sign) in enumerate(SIDES.items()):
             off_rail = u["y"] - u[f"rail_y_{side}"]
-            creep_x, creep_y, spin = creepages[side]
+            creep_x, creep_y, _ = creepages[side]
             creep_x += common
             if law:
-                contact, grip = loaded_contact(
-                    (creep_x, creep_y, spin), speed_of(u, p), u[f"load_{side}"], p, d
-                )
-                force_x, creep_force_y, spin_moment = (grip * force for force in law(contact))
+                contacts, grips = loaded
+                contact = Contact(*ca.vertsplit(contacts[:, i])).rolling(common)
+                force_x, creep_force_y, spin_moment = (grips[i] * force for force in law(contact))
                 moment_z += spin_moment
             else:
                 force_x = -p["longitudinal_creep_coefficient"] * creep_x
