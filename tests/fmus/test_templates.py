@@ -15,6 +15,7 @@ from support.templates import STARTS, template
 
 STEP = 1e-3
 SIZE = {"m": 2e-3, "rad": 1e-3, "m/s": 0.1, "rad/s": 0.02, "N": 2e4, "N.m": 1e4}
+SIZE |= {"1/m": 1e-3, "m/s2": 0.5, "rad/s2": 0.02}
 
 
 class Pair:
@@ -64,8 +65,24 @@ def common(pair: Pair) -> list[str]:
 def test_a_template_has_the_ports_of_its_block(name):
     """All inputs that have to be connected, and no output or unit that the block does not have."""
     block, model = BLOCKS[name](), template(name)
-    inputs = {v.name: (v.unit, v.start) for v in block.inputs if not v.optional}
-    assert {v.name: (v.unit, v.start) for v in model.inputs} == inputs
+    known = {v.name: (v.unit, v.start, v.optional) for v in block.inputs}
+    inputs = {v.name: (v.unit, v.start, v.optional) for v in model.inputs}
+    assert {name for name, v in known.items() if not v[2]} <= set(inputs)
+    assert inputs.items() <= known.items()
+
+
+@pytest.mark.parametrize(("name", "ports"), [("wheelrail", "path_"), ("carbody", "frame.")])
+def test_a_template_runs_on_a_line_with_curves(name, ports):
+    needed, own = (
+        {v.name for v in held.inputs if v.name.startswith(ports)}
+        for held in (BLOCKS[name](), template(name))
+    )
+    assert needed and own == needed
+
+
+@pytest.mark.parametrize("name", STARTS)
+def test_a_template_gives_what_its_block_gives(name):
+    block, model = BLOCKS[name](), template(name)
     outputs = {v.name: (v.unit, v.derivative_of) for v in block.outputs}
     assert {v.name: (v.unit, v.derivative_of) for v in model.outputs}.items() <= outputs.items()
 

@@ -15,6 +15,14 @@ MODAL = "kg^(1/2).m"  # unit of a modal coordinate: displacement times root of t
 
 LATERAL = tuple(f"{end}.{force}" for end in ENDS for force in ("force_y", "moment_x", "moment_z"))
 VERTICAL = tuple(f"{end}.force_z" for end in ENDS)
+FRAME = {
+    "ay": ("m/s2", "Lateral acceleration, less gravity's,"),
+    "az": ("m/s2", "Vertical acceleration, less gravity's beyond g,"),
+    "wx_dot": ("rad/s2", "Roll acceleration"),
+    "wz_dot": ("rad/s2", "Yaw acceleration"),
+}
+SWAYS = ("frame.ay", "frame.wx_dot")
+TURNS = (*SWAYS, "frame.wz_dot")
 
 
 def plate_outputs(end):
@@ -52,6 +60,12 @@ class MyModel(Model):
             default=1.47955,
         ),
         Parameter(
+            "centre_plate_height",
+            "m",
+            "Height of the centre plates above the rails",
+            default=0.65405,
+        ),
+        Parameter(
             "half_truck_spacing",
             "m",
             "Half distance of the truck centres",
@@ -64,10 +78,17 @@ class MyModel(Model):
         ),
     )
 
-    inputs = tuple(
-        Input(f"{end}.{force}", unit, f"{force} on the carbody at the {end} centre plate")
-        for end in ENDS
-        for force, unit in FORCES.items()
+    inputs = (
+        *(
+            Input(f"{end}.{force}", unit, f"{force} on the carbody at the {end} centre plate")
+            for end in ENDS
+            for force, unit in FORCES.items()
+        ),
+        # Motion is told in a frame that follows the curve; all are zero on straight track.
+        *(
+            Input(f"frame.{name}", unit, f"{text} of the frame in a curve", optional=True)
+            for name, (unit, text) in FRAME.items()
+        ),
     )
 
     outputs = (
@@ -88,10 +109,10 @@ class MyModel(Model):
 
     # Which inputs change an output within the same instant. `tracktrain fmu pack` tries it out.
     feedthrough = {
-        **{f"{end}.ay": LATERAL for end in ENDS},
-        **{f"{end}.az": VERTICAL for end in ENDS},
-        "cg.ay": tuple(f"{end}.force_y" for end in ENDS),
-        "cg.az": VERTICAL,
+        **{f"{end}.ay": (*LATERAL, *TURNS) for end in ENDS},
+        **{f"{end}.az": (*VERTICAL, "frame.az") for end in ENDS},
+        "cg.ay": (*(f"{end}.force_y" for end in ENDS), *SWAYS),
+        "cg.az": (*VERTICAL, "frame.az"),
     }
 
     def start(self, p, u):
@@ -140,7 +161,7 @@ class MyModel(Model):
         }
 
     def accelerations(self, p, u):
-        """Of each mode, from the forces and moments at both centre plates."""
+        """Of each mode in the frame, from the forces and moments at both centre plates."""
         total = dict.fromkeys(MODES, 0.0)
         for end, sign in ENDS.items():
             x, h = sign * p["half_truck_spacing"], p["gravity_centre_height"]
@@ -150,4 +171,12 @@ class MyModel(Model):
             total["roll"] += moment_x + h * force_y
             total["yaw"] += moment_z + x * force_y
             total["pitch"] -= x * force_z
-        return {mode: total[mode] / inertia for mode, inertia in self.inertias(p).items()}
+        height = p["centre_plate_height"] + p["gravity_centre_height"]
+        frame = {
+            "lateral": u["frame.ay"] - height * u["frame.wx_dot"],
+            "vertical": u["frame.az"],
+            "roll": u["frame.wx_dot"],
+            "yaw": u["frame.wz_dot"],
+            "pitch": 0.0,
+        }
+        return {mode: total[mode] / of - frame[mode] for mode, of in self.inertias(p).items()}

@@ -8,6 +8,8 @@ from fmus.model import Input, Model, Output, Parameter
 
 SIDES = {"left": 1, "right": -1}
 RAILS = ("rail_y_left", "rail_y_right")
+ACROSS = ("yaw", "vy", "speed", "path_yaw")
+ALONG = ("wz", "speed", "path_curvature")
 
 
 class MyModel(Model):
@@ -62,6 +64,9 @@ class MyModel(Model):
         Input("speed", "m/s", "Forward speed", start=18.288),
         *(Input(f"load_{s}", "N", f"Vertical load on the {s} wheel", start=1.2e5) for s in SIDES),
         *(Input(f"rail_y_{s}", "m", f"Lateral displacement of the {s} rail") for s in SIDES),
+        # Motion is told in a frame that follows the curve; both are zero on straight track.
+        Input("path_yaw", "rad", "Yaw of the frame's way over the ground here", optional=True),
+        Input("path_curvature", "1/m", "Curvature of that way, to the left", optional=True),
     )
 
     outputs = (
@@ -83,18 +88,18 @@ class MyModel(Model):
 
     # Which inputs change an output within the same instant. `tracktrain fmu pack` tries it out.
     feedthrough = {
-        "force_y": ("y", "yaw", "vy", "speed", *RAILS),
-        "moment_z": ("y", "wz", "speed", *RAILS),
+        "force_y": ("y", *ACROSS, *RAILS),
+        "moment_z": ("y", *ALONG, *RAILS),
         "y_rel": ("y", *RAILS),
         **{
             f"{s}.{name}": inputs
             for s in SIDES
             for name, inputs in (
-                ("force_x", ("y", "wz", "speed", *RAILS)),
-                ("force_y", ("yaw", "vy", "speed")),
-                ("creep_x", ("y", "wz", "speed", *RAILS)),
-                ("creep_y", ("yaw", "vy", "speed")),
-                ("l_over_v", ("y", "yaw", "vy", "speed", f"load_{s}", *RAILS)),
+                ("force_x", ("y", *ALONG, *RAILS)),
+                ("force_y", ACROSS),
+                ("creep_x", ("y", *ALONG, *RAILS)),
+                ("creep_y", ACROSS),
+                ("l_over_v", ("y", *ACROSS, f"load_{s}", *RAILS)),
             )
         },
     }
@@ -111,8 +116,9 @@ class MyModel(Model):
         for side, sign in SIDES.items():
             # Creepage: how much a wheel slides, over how fast it rolls.
             taper = p["conicity"] * y_rel / p["rolling_radius"]
-            creep_x = -sign * (taper + half_spacing * u["wz"] / speed)
-            creep_y = u["vy"] / speed - u["yaw"]
+            turning = u["wz"] / speed + u["path_curvature"]
+            creep_x = -sign * (taper + half_spacing * turning)
+            creep_y = u["vy"] / speed - u["yaw"] + u["path_yaw"]
 
             # The law of the contact: change it here.
             creep_force_x = -p["longitudinal_creep_coefficient"] * creep_x

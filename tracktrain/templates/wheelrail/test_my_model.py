@@ -28,6 +28,15 @@ def test_a_conical_wheelset_off_the_middle_steers_back():
     assert forces(y=1e-3)["moment_z"] < 0.0
 
 
+def test_a_wheelset_in_a_curve_is_steered_by_what_it_rolls_outwards():
+    curvature = 1 / 1000
+    p = MyModel().start_values()[0]
+    outwards = -curvature * p["rolling_radius"] * p["half_contact_spacing"] / p["conicity"]
+    assert forces(path_curvature=curvature)["moment_z"] < 0.0
+    steered = forces(path_curvature=curvature, y=outwards)["moment_z"]
+    assert steered == pytest.approx(0.0, abs=1e-6)
+
+
 def test_left_and_right_are_mirror_images():
     motion = {"y": 1e-3, "yaw": 2e-3, "vy": 0.03, "wz": 0.04, "rail_y_left": 5e-4}
     mirrored = {name: -value for name, value in motion.items() if name != "rail_y_left"}
