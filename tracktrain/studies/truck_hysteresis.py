@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import product
 from math import cos, pi, sin
 from pathlib import Path
+from typing import Any
 
 import click
 import matplotlib as mpl
@@ -23,8 +24,10 @@ from orchestrator import InlineModel, Run, Value, describe
 from ..car.hopper import parameters_of
 from ..options.car import car_option, fmu_option
 from ..options.types import Name
+from ..options.workers import workers_option
 from ..plots import BLUE, GREEN, PURPLE, RED, STYLE, conversion
 from ..scales import INCH, POUND_FORCE
+from ..sweep.workers import rows
 from ..terminal import Progress, unseen
 from .common.command import study_command
 from .common.given import taking
@@ -91,6 +94,7 @@ def truck_hysteresis(
     loads: Sequence[float] = LOADS,
     periods: Sequence[float] = PERIODS,
     fmu: Path | None = None,
+    workers: int | None = 1,
     progress: Progress = unseen,
 ) -> Outcome:
     """Force against deflection of each element of a truck, loaded cyclically.
@@ -98,22 +102,25 @@ def truck_hysteresis(
     Report Figure 4-20: every "mode" at vertical loads of 20, 50 and 100 kip [kip] and 2 and 4 s a
     cycle [s]. The rig holds the axles down and the bolster to the carbody, sets the load by the
     height of the carbody, and moves the carbody or, for warp, the axles. `fmu` is a truck to test
-    instead of ours.
+    instead of ours. workers: processes that make the runs, None for one a core.
     """
     values = parameters_of(car)["truck"]
     place, parameters = under_test(car, "truck", fmu)
     has = describe(place).variables
     given = {**parameters, "wedge_law": wedge_law}
     given |= {name: value for name, value in CLAMPED.items() if name in has}
-    cycles: list[Cycle] = []
     plan = list(product(DRIVES, loads, periods))
-    for done, (drive, load, period) in enumerate(plan):
-        stand = _stand(drive, values, load, period)
-        step = float(np.clip(period / PER_CYCLE, *STEPS))
-        run = run_on_rig(place, given, stand, 3 * period, step)
-        completed(run, f"the {drive} loop at {load:g} kip")
-        cycles += _cycles(run, drive, load, period)
-        progress((done + 1) / len(plan))
+    loops = partial(_loops, place, given, values)
+    tasks: dict[int, dict[str, Any]] = {
+        number: {"drive": drive, "load": load, "period": period}
+        for number, (drive, load, period) in enumerate(plan)
+    }
+    made: dict[int, list[Cycle]] = {}
+    for number, row in rows(tasks, partial(_row, loops), workers):
+        # One that failed is made again here, where its error can be raised as it is.
+        made[number] = row.get("cycles") or loops(**tasks[number])
+        progress(len(made) / len(plan))
+    cycles = [cycle for number in tasks for cycle in made[number]]
     return Outcome(
         title=f"Truck hysteresis, {car}, wedge friction {wedge_law.replace('_', ' ')}",
         dataset=_dataset(cycles, car, wedge_law),
@@ -155,11 +162,36 @@ command = study_command(
         help="Duration of a cycle. Repeatable.",
     ),
     fmu_option("truck"),
+    workers_option(),
     epilog="""\b
 Examples:
   tracktrain study truck-hysteresis
   tracktrain study truck-hysteresis --wedge-law load_proportional --period 2""",
 )(truck_hysteresis)
+
+
+def _row(loops: Callable[..., list[Cycle]], options: Mapping[str, Any]) -> dict[str, Any]:
+    """The loops of one run, in whatever process; nothing of one that failed."""
+    try:
+        return {"cycles": loops(**options)}
+    except Exception:
+        return {}
+
+
+def _loops(
+    place: Path,
+    given: Mapping[str, Value],
+    values: Values,
+    drive: str,
+    load: float,
+    period: float,
+) -> list[Cycle]:
+    """Run the truck on the rig: the loops of the elements that a drive works."""
+    stand = _stand(drive, values, load, period)
+    step = float(np.clip(period / PER_CYCLE, *STEPS))
+    run = run_on_rig(place, given, stand, 3 * period, step)
+    completed(run, f"the {drive} loop at {load:g} kip")
+    return list(_cycles(run, drive, load, period))
 
 
 def _stand(drive: str, values: Values, load: float, period: float) -> InlineModel:

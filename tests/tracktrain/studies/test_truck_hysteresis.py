@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 
 import tolerances
+from tracktrain.errors import TracktrainError
 from tracktrain.scales import POUND_FORCE
 from tracktrain.studies.truck_hysteresis import truck_hysteresis
 
@@ -60,3 +63,27 @@ def test_proportional_wedges_hold_as_much_as_the_load_on_them():
 def test_every_element_of_table_4_5_is_drawn_and_written(constant, tmp_path):
     written = {path.name for path in constant.write(tmp_path)}
     assert {"figure_4_20.png", "loops.csv", "loop_warp.csv", "loop_bolster_lateral.csv"} <= written
+
+
+def test_loops_made_in_other_processes_in_any_order_are_the_same(monkeypatch):
+    asked = {"loads": (100.0,), "periods": (0.2, 0.3)}
+    here = truck_hysteresis(**asked)
+
+    def elsewhere(tasks, work, workers):
+        for number in reversed(tasks):
+            there, options = pickle.loads(pickle.dumps((work, tasks[number])))
+            yield number, pickle.loads(pickle.dumps(there(options)))
+
+    monkeypatch.setitem(truck_hysteresis.__wrapped__.__globals__, "rows", elsewhere)
+    there = truck_hysteresis(**asked, workers=2)
+    assert there.dataset.identical(here.dataset)
+    assert there.files == here.files
+
+
+def test_a_loop_that_stops_is_told_as_itself_wherever_it_was_made(monkeypatch):
+    def stopped(run, what):
+        raise TracktrainError(f"{what} stopped")
+
+    monkeypatch.setitem(truck_hysteresis.__wrapped__.__globals__, "completed", stopped)
+    with pytest.raises(TracktrainError, match="the lateral loop at 20 kip stopped"):
+        truck_hysteresis(loads=(20.0,), periods=(0.2,))

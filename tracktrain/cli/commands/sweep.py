@@ -11,6 +11,7 @@ from rich.console import Console
 from ...failures import Stopped, termination_as_interrupt
 from ...options.chosen import refuse_options, system_options
 from ...options.master import master_options
+from ...options.workers import workers_option
 from ...terminal import print_whole, printable, progress_bar, writable
 from ..as_json import json_option, print_json
 
@@ -48,12 +49,7 @@ Examples:
     help="Take the numbers of the outputs whose names match. Repeatable.  [default: those that a "
     "run prints]",
 )
-@click.option(
-    "--workers",
-    type=click.IntRange(min=1),
-    metavar="N",
-    help="Processes on this machine, of which the command itself is one.  [default: one a core]",
-)
+@workers_option()
 @click.option(
     "--scheduler",
     metavar="ADDRESS",
