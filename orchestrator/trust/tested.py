@@ -11,6 +11,7 @@ import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict
+from functools import cache
 from pathlib import Path
 
 from platformdirs import user_cache_path
@@ -31,8 +32,8 @@ def self_tests(components: Mapping[str, Component], *, anew: bool = False) -> di
     """The self-test of each instance's FMU; what is remembered counts, unless `anew`.
 
     An FMU is tested with the values of the first instance that has it, by steps that it recommends.
-    A test that found nothing wrong counts for all values, another one for these values alone: they
-    may be what was wrong.
+    A test that found nothing wrong counts for all values, another one for these values and this
+    state of the package alone: they may be what was wrong.
     Raises OrchestratorError for what cannot be described.
     """
     hashes: dict[str, str] = {}
@@ -100,11 +101,20 @@ def _run(asked: Path, answered: Path, timeout: float) -> str:
     return f"its self-test crashed ({cause(process.returncode)}){more}"
 
 
+@cache
+def _package() -> str:
+    """The hash of this package's sources."""
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).parents[1].rglob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
 def _place(sha256: str, component: Component | None = None) -> Path:
     """The file of a test; component: whose values it counts for, if not for all."""
     own = ""
     if component is not None:
-        given = repr(sorted(component.parameters.items()))
+        given = _package() + repr(sorted(component.parameters.items()))
         own = f"-{hashlib.sha256(given.encode()).hexdigest()[:16]}"
     return user_cache_path("tracktrain") / "self_tests" / f"{VERSION}-{sha256}{own}.json"
 

@@ -134,6 +134,21 @@ def test_a_wrong_value_in_one_run_is_no_finding_of_the_next():
     assert still == right
 
 
+def test_a_failed_test_is_made_again_after_a_mend_of_the_package(tmp_path, monkeypatch):
+    given = {"at": 0.0005, "kind": float(KINDS.index("crash"))}
+    crash = {"odd": Component(mishap(tmp_path), given)}
+    found, asked = self_tests(crash), []
+
+    def elsewhere(components):
+        asked.extend(components)
+        return [found["odd"]] * len(components)
+
+    monkeypatch.setattr(tested, "_elsewhere", elsewhere)
+    assert self_tests(crash) == found and not asked
+    monkeypatch.setattr(tested, "_package", lambda: "mended")
+    assert self_tests(crash) == found and len(asked) == 1
+
+
 def test_the_command_passes_ours():
     result = command(str(fmu_path("wheelrail")))
     assert result.exit_code == 0, result.output
