@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from pathlib import Path
 
@@ -14,10 +15,14 @@ FOLDER = platformdirs.user_cache_path("tracktrain") / "parts"
 
 
 def keep(fmu: Path) -> Path:
-    """Keep an FMU; returns where, without the suffix."""
+    """Keep an FMU, if it is not kept yet; returns where, without the suffix."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     place = FOLDER / describe(fmu).sha256
-    shutil.copyfile(fmu, place.with_suffix(".fmu"))
+    whole = place.with_suffix(".fmu")
+    if not whole.exists():
+        new = place.with_suffix(f".{os.getpid()}")
+        shutil.copyfile(fmu, new)
+        new.replace(whole)  # whole or not there: a copy may be broken off
     return place
 
 
