@@ -19,8 +19,8 @@ from .rules import ForeignError, NotApplicableError, Rule, from_si, rules
 PASSED, EXCEEDED, NO_LIMIT = "passed", "exceeded", "no limit"
 NOT_EXCITED = "not excited"
 COLUMNS = (
-    *("quantity", "place", "value", "limit", "share", "result", "applies", "scope", "unit"),
-    *("statistic", "filter", "window", "formula", "source", "verified", "quote"),
+    *("quantity", "place", "value", "limit", "at_least", "share", "result", "applies", "scope"),
+    *("unit", "statistic", "filter", "window", "formula", "source", "verified", "quote"),
 )
 NOTHING = {"place": "", "value": float("nan"), "limit": float("nan"), "share": float("nan")}
 
@@ -31,7 +31,8 @@ def assess(run: Responses | Run | Path | str) -> pd.DataFrame:
     Rules about what the run's system does not have are left out: all of them, where it is no car.
 
     run: it, its dataset, or the folder that it wrote.
-    Columns: place (of the worst value), value, limit, unit, share (of the limit; of wheel loads
+    Columns: place (of the worst value), value, limit, at_least (whether that is the least value and
+    not the largest), unit, share (of the limit; of wheel loads
     that of the admissible unloading), result (passed, exceeded, no limit, not excited where nothing
     moved of what the rule looks at, or not applicable and why), applies (whether the run is what
     the rule is for; else it is shown for comparison), scope, statistic, filter, window, formula,
@@ -56,6 +57,7 @@ def _row(car: Car | NotApplicableError, rule: Rule) -> dict[str, object] | None:
     return {
         "quantity": rule.quantity,
         **found,
+        "at_least": rule.at_least,
         "applies": not isinstance(car, NotApplicableError) and rule.scope.includes(car.speed),
         "scope": rule.scope.text,
         "unit": rule.shown_unit,

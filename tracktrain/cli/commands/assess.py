@@ -67,9 +67,12 @@ def command(folder: Path, sections: bool, as_json: bool, quiet: bool) -> None:
         print_whole(console, _shown(table))
         if cut is not None:
             print_whole(console, printable(cut[SHOWN], "by sections (EN 14363)"))
+            if few := int((cut["sections"] < cut["wanted"]).sum()):
+                console.print(f"{few} of {len(cut)} estimates are from fewer sections than wanted")
             console.print(f"mean and factor deviations over sections: {folder / SECTIONS}, *")
         print_events(console, found)
         console.print("for comparison: the rule is for other vehicles, track or speeds (its scope)")
+        console.print("≥ the least value that is allowed; other limits are the largest")
         console.print("* not verified: recalled from the source, check it before quoting it")
         written = f"filters, windows, scopes and sources: {folder / ASSESSMENT}"
         console.print(written, markup=False, highlight=False)
@@ -86,10 +89,11 @@ def _shown(table: pd.DataFrame) -> Table:
         known = row["value"] == row["value"]
         compared = judged and not row["applies"]
         star = "" if row["verified"] else " *"
+        least = "≥ " if row["at_least"] else ""
         shown.add_row(
             str(quantity),
             f"{row['value']:.3g} {row['unit']}".strip() if known else "-",
-            f"{row['limit']:.3g} {row['unit']}".strip() + star if judged else "-",
+            f"{least}{row['limit']:.3g} {row['unit']}".strip() + star if judged else "-",
             f"{row['share']:.0%}" if judged else "-",
             f"{row['result']}{COMPARED}" if compared else row["result"],
             style="dim" if compared else COLOURS.get(row["result"], "dim"),
