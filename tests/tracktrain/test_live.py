@@ -81,6 +81,7 @@ def test_a_run_that_ends_lets_its_page_and_port_go(tmp_path) -> None:
     out = ["--out", str(tmp_path), "--quiet", "--track", "perfect", "--duration", "0.1 s"]
     result = CliRunner().invoke(main, ["run", *out, "--live"])
     assert result.exit_code == 0, result.output
+    assert "the run is over, and its page with it" in result.output
     address = result.output.partition(HOST)[2].split("/")[0].strip(":")
     with pytest.raises(ConnectionRefusedError):
         HTTPConnection(HOST, int(address)).connect()

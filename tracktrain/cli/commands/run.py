@@ -216,6 +216,9 @@ def _shown_live(port: int | None) -> Iterator[Sequence[Sink]]:
     with Live(port) as live:
         click.echo(f"the run is shown at {live.address} while it goes on", err=True)
         yield (live,)
+    click.echo(
+        "the run is over, and its page with it; an open page keeps the last values", err=True
+    )
 
 
 def _stopped(result: Run, folder: Path, goes_on: bool) -> Stopped:

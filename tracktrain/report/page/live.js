@@ -33,7 +33,7 @@ class LivePlots extends Plots {
 
   hear(told, state) {
     const { time, start, stop, speed, rows, said } = told;
-    this.state(state, said || (this.over ? "its results are where the terminal says." : this.held ? "; the curves are held." : "."));
+    this.state(state, said || (this.over ? "this page keeps the last values until it is closed; the results are where the terminal says." : this.held ? "; the curves are held." : "."));
     const share = stop > start ? (time - start) / (stop - start) : 1;
     document.getElementById("progress").value = share;
     document.getElementById("time").textContent = `${time.toFixed(2)} s`;
