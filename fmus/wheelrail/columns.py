@@ -10,14 +10,11 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from .contact_table import FEWEST, ContactTable, Patch
 from .hertz import semi_axes
 from .kalker import COEFFICIENTS, coefficients
-
-DEGREE = 3
-"""Of the splines: curvature is continuous."""
+from .uniform_spline import UniformSpline
 
 KINEMATIC = ("widening", "leverage", "sine", "cosine", "camber", "arm", "ahead")
 """Columns of the place of a contact and of the plane that it lies in.
@@ -74,25 +71,17 @@ class Columns:
         clearances = [at_yaw.clearance for at_yaw in self.over_yaw.values()]
         return self.table.clearance - self._at_yaw(yaw, clearances)
 
-    def spline(self, patch: str, names: Sequence[str]) -> ca.Function:
-        """(shift or climb [m]) -> columns of these names; held beyond the ends.
-
-        (the same, yaw [rad]) of a table that has yaw: a polynomial of the yaw's square between
-        splines, since all columns are even in it.
-        """
-        over = self.patches[patch].over
+    def spline(self, patch: str, names: Sequence[str]) -> UniformSpline:
+        """Columns of these names, of each yaw of the table, over the shift or climb [m]."""
         nodes = np.array([columns[name] for columns in self.values[patch] for name in names]).T
-        fitted = make_interp_spline(over, nodes, DEGREE)
-        inside = ca.Function.bspline(
-            patch, [list(fitted.t)], list(fitted.c.ravel()), [DEGREE], nodes.shape[1]
-        )
-        at, yaw = ca.MX.sym("at"), ca.MX.sym("yaw")
-        held = ca.fmin(ca.fmax(at, float(over[0])), float(over[-1]))
-        found, arguments = inside(held), [at]
-        if self.table.yawed:
-            found = ca.reshape(found, len(names), len(self.over_yaw)) @ self._weights(yaw)
-            arguments = [at, yaw]
-        return ca.Function(f"{patch}_{len(names)}", arguments, [found])
+        return UniformSpline(self.patches[patch].over, nodes)
+
+    def at_yaw(self, columns: Any, yaw: Any) -> Any:
+        """Columns at a yaw [rad], of those that `spline` has: between the table's yaw angles by a
+        polynomial of the square, since all columns are even in it."""
+        if not self.table.yawed:
+            return columns
+        return ca.reshape(columns, -1, len(self.over_yaw)) @ self._weights(yaw)
 
     def _at_yaw(self, yaw: Any, values: Sequence[float]) -> Any:
         return ca.dot(ca.DM(values), self._weights(yaw))

@@ -17,7 +17,7 @@ from .columns import ELASTIC, KINEMATIC, LINEAR, Columns
 from .contact_table import ContactTable
 from .creep import LAWS
 from .rolling import Rotation, common_creepage, in_proportion
-from .touching import Wheels
+from .touching import Touch, Wheels
 
 FROM_TABLE = (
     "half_contact_spacing",
@@ -152,43 +152,54 @@ class ProfiledWheelRail(WheelRail):
         kind: Any = ca.MX if law == "fastsim" else ca.SX  # the grid stays a loop in C
         names = KINEMATIC + ELASTIC * (law != LINEAR)
         spots = [(side, patch) for patch in patches for side in SIDES]
-
-        def by_spot(columns: Any) -> dict[tuple[str, str], Signals]:
-            rows = (by_name(names, column) for column in ca.horzsplit(columns))
-            return dict(zip(spots, rows, strict=True))
+        splines = [self.columns.spline(patch, names) for _, patch in spots]
 
         def places(*at: Any) -> list[Any]:
-            return [ca.vertcat(*self._wheels(law, *at).places()[: len(spots)])]
+            found = self._wheels(law, *at).places()
+            pairs = [spline.place(found[i]) for i, spline in enumerate(splines)]
+            return [ca.vertcat(*half) for half in zip(*pairs, strict=True)]
 
-        def yaws(*at: Any) -> list[Any]:
-            return [self._wheels(law, *at).yaw]
+        def columns(u: Any, p: Any, d: Any, parts: Any, *rows: Any) -> list[Any]:
+            yaw = self._wheels(law, u, p, d).yaw
+            found = [s.value(parts[i], rows[i]) for i, s in enumerate(splines)]
+            return [ca.horzcat(*(self.columns.at_yaw(column, yaw) for column in found))]
+
+        def touches(wheels: Wheels, columns: Any) -> list[Touch]:
+            named = (by_name(names, column) for column in ca.horzsplit(columns))
+            return wheels.touches(dict(zip(spots, named, strict=True)))
 
         def contacts(u: Any, p: Any, d: Any, columns: Any) -> list[Any]:
             wheels = self._wheels(law, u, p, d)
-            return wheels.rotation(wheels.touches(by_spot(columns)))
+            return wheels.rotation(touches(wheels, columns))
 
         def forces(u: Any, p: Any, d: Any, columns: Any, common: Any) -> list[Any]:
             wheels = self._wheels(law, u, p, d)
-            found = wheels.outputs(wheels.touches(by_spot(columns)), common)
+            found = wheels.outputs(touches(wheels, columns), common)
             return [ca.vertcat(*(found[name] for name in wanted))]
+
+        def linear(u: Any, p: Any, d: Any, *looked_up: Any) -> list[Any]:
+            found = columns(u, p, d, *looked_up)
+            return forces(u, p, d, *found, in_proportion(*contacts(u, p, d, *found)))
 
         u, p = (ca.MX.sym(n, len(v)) for n, v in (("u", self.inputs), ("p", self.parameters)))
         d = ca.MX.sym("d", len(self.derived_shapes))
-        at = ca.vertsplit(self._of_signals("places", ca.SX, places)(u, p, d))
-        splines = {patch: self.columns.spline(patch, names) for patch in patches}
-        yaw = [self._of_signals("yaw", ca.SX, yaws)(u, p, d)] if self.geometry.yawed else []
-        columns = ca.horzcat(*(splines[patch](at[i], *yaw) for i, (_, patch) in enumerate(spots)))
-        shape = {"columns": columns.shape}
-        touching = self._of_signals("contacts", ca.SX, contacts, **shape)(u, p, d, columns)
-        if law == LINEAR:
-            common = in_proportion(*touching)
+        numbers, parts = self._of_signals("places", ca.SX, places)(u, p, d)
+        rows = [s.row(number) for s, number in zip(splines, ca.vertsplit(numbers), strict=True)]
+        shapes = {"parts": parts.shape} | {f"row{i}": row.shape for i, row in enumerate(rows)}
+        if law == LINEAR:  # without a root to find one expression costs least
+            one = self._of_signals("forces", kind, linear, **shapes)
+            result = one(u, p, d, parts, *rows)
         else:
+            found = self._of_signals("columns", ca.SX, columns, **shapes)(u, p, d, parts, *rows)
+            size: Any = {"columns": found.shape}
+            touching = self._of_signals("contacts", ca.SX, contacts, **size)(u, p, d, found)
             common = rotation(LAWS[law], kind, len(spots))(*touching)
-        result = self._of_signals("forces", kind, forces, **shape, common=(1, 1))
+            last = self._of_signals("forces", kind, forces, **size, common=(1, 1))
+            result = last(u, p, d, found, common)
         return ca.Function(
             f"{'_'.join(patches)}_{law}",
             [u, p, d],
-            [result(u, p, d, columns, common)],
+            [result],
             {"is_diff_in": [True, False, False]},  # none asks for derivatives by parameters
         )
 
