@@ -178,8 +178,8 @@ class ProfiledWheelRail(WheelRail):
             return [ca.vertcat(*(found[name] for name in wanted))]
 
         def linear(u: Any, p: Any, d: Any, *looked_up: Any) -> list[Any]:
-            found = columns(u, p, d, *looked_up)
-            return forces(u, p, d, *found, in_proportion(*contacts(u, p, d, *found)))
+            (found,) = columns(u, p, d, *looked_up)
+            return forces(u, p, d, found, in_proportion(*contacts(u, p, d, found)))
 
         u, p = (ca.MX.sym(n, len(v)) for n, v in (("u", self.inputs), ("p", self.parameters)))
         d = ca.MX.sym("d", len(self.derived_shapes))
