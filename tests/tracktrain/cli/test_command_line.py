@@ -109,7 +109,7 @@ def test_python_m_is_the_same_command() -> None:
     assert "Traceback" not in result.stderr
 
 
-def test_an_angle_without_its_unit_is_asked_for_with_its_article():
+def test_a_yaw_without_its_unit_is_asked_for():
     result = CliRunner().invoke(main, ["profile", "show", "worn", "crown", "--yaw", "5"])
     assert result.exit_code == 2
-    assert "give an angle such as" in " ".join(result.output.split())
+    assert "give a yaw such as" in " ".join(result.output.split())
