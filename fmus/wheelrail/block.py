@@ -10,9 +10,16 @@ import casadi as ca
 from ..describe.block import Block, Signals
 from ..describe.terminals import RAILS, WHEELSET, Terminal
 from ..describe.variables import Input, Output, Parameter, choice
-from .creep import LAWS, Contact, Law
+from .creep import LAWS, Law
 from .loaded_contact import loaded_contact, static_contact
-from .rolling import FIELDS, Rotation, at_rest, common_creepage, differentiable
+from .rolling import (
+    FIELDS,
+    Rotation,
+    at_rest,
+    common_creepage,
+    contacts_of,
+    differentiable,
+)
 
 SIDES = {"left": 1, "right": -1}
 """Sides of the wheelset, with the sign of their y."""
@@ -278,7 +285,7 @@ class WheelRail(Block):
             creep_x += common
             if law:
                 contacts, grips = loaded
-                contact = Contact(*ca.vertsplit(contacts[:, i])).rolling(common)
+                contact = contacts_of(contacts)[i].rolling(common)
                 force_x, creep_force_y, spin_moment = (grips[i] * force for force in law(contact))
                 moment_z += spin_moment
             else:

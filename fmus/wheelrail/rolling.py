@@ -20,8 +20,8 @@ SELDOM = 27
 
 BALANCED = 1e-9
 """Product of the last two steps of a secant, each over the creepage by which the linear theory
-reaches the friction limit,
-at which the next creepage is taken unseen: about a hundredth of it is left."""
+reaches the friction limit, at which the next creepage is taken unseen: about a hundredth of it is
+left."""
 
 SLIDING = 0.1
 """Creepage by which driven or braked wheels may spin or slide."""
@@ -39,13 +39,14 @@ def _symbols(kind: Any, count: int) -> list[Any]:
     return [kind.sym(name, *shape) for name, shape in shapes.items()]
 
 
-def _contacts(columns: Any) -> list[Contact]:
+def contacts_of(columns: Any) -> list[Contact]:
+    """The contacts of the columns that a rotation takes."""
     return [Contact(*ca.vertsplit(columns[:, i])) for i in range(columns.size2())]
 
 
 def in_proportion(contacts: Any, grips: Any, wanted: Any) -> Any:
     """The common creepage in closed form where forces are f11 times the creepage."""
-    wheels = _contacts(contacts)
+    wheels = contacts_of(contacts)
     return _free(wheels, [grips[i] * wheel.f11 for i, wheel in enumerate(wheels)], wanted)
 
 
@@ -68,14 +69,13 @@ def common_creepage(law: Law, kind: Any, count: int = 2) -> ca.Function:
     where they do not help. Not to be differentiated: see `differentiable`.
     """
     symbols = _symbols(ca.MX, count)
-    first, nearer, same = _first(law, kind, count), _nearer(law, kind, count), _same(kind, count)
-    once = _if_needed("once", nearer, same)
-    state, scale = first(*symbols)
-    further = [ca.MX.sym("state", STATE), ca.MX.sym("scale"), *symbols]
-    rest = further[0]
+    first, nearer = _first(law, kind, count), _nearer(law, kind, count)
+    once, arguments = _if_needed("once", nearer), _arguments(nearer)
+    rest = arguments[0]
     for _ in range(SELDOM):
-        rest = once(rest, *further[1:])
-    often = _if_needed("often", ca.Function("rest", further, [rest]), same)
+        rest = once(rest, *arguments[1:])
+    often = _if_needed("often", ca.Function("rest", arguments, [rest]))
+    state, scale = first(*symbols)
     for improved in (once, once, often):
         state = improved(state, scale, *symbols)
     return ca.Function(
@@ -116,7 +116,7 @@ def net_force(law: Law, kind: Any, count: int = 2) -> ca.Function:
     radius."""
     common = kind.sym("common")
     contacts, grips, _ = _symbols(kind, count)
-    total, _ = _pull(law, _contacts(contacts), grips, common)
+    total, _ = _pull(law, contacts_of(contacts), grips, common)
     return ca.Function("net_force", [common, contacts, grips], [total], {"never_inline": True})
 
 
@@ -140,7 +140,7 @@ def _first(law: Law, kind: Any, count: int) -> ca.Function:
     the creepage to take next, and the product of its distances from the last two.
     """
     contacts, grips, wanted = symbols = _symbols(kind, count)
-    wheels = _contacts(contacts)
+    wheels = contacts_of(contacts)
     creeps = [wheel.creep_x / wheel.leverage for wheel in wheels]
     limit = sum(grips[i] * w.leverage * w.friction * w.load for i, w in enumerate(wheels))
     scale = limit / _stiffness(wheels, [grips[i] * wheel.f11 for i, wheel in enumerate(wheels)])
@@ -161,7 +161,7 @@ def _nearer(law: Law, kind: Any, count: int) -> ca.Function:
     state, scale = kind.sym("state", STATE), kind.sym("scale")
     contacts, grips, wanted = symbols = _symbols(kind, count)
     low, high, last, at_last, guess, _ = ca.vertsplit(state)
-    excess = _pull(law, _contacts(contacts), grips, guess)[0] - wanted
+    excess = _pull(law, contacts_of(contacts), grips, guess)[0] - wanted
     low, high = ca.if_else(excess > 0, guess, low), ca.if_else(excess > 0, high, guess)
     fall = at_last - excess
     secant = guess + excess * (guess - last) / ca.if_else(fall == 0, 1, fall)
@@ -174,21 +174,16 @@ def _nearer(law: Law, kind: Any, count: int) -> ca.Function:
     return ca.Function("nearer", [state, scale, *symbols], [found], {"never_inline": True})
 
 
-def _same(kind: Any, count: int) -> ca.Function:
-    """(state, scale, contacts, grips, wanted) -> the state as it is."""
-    state = kind.sym("state", STATE)
-    return ca.Function("same", [state, kind.sym("scale"), *_symbols(kind, count)], [state])
-
-
-def _if_needed(name: str, improved: ca.Function, same: ca.Function) -> ca.Function:
-    """A function of the state, while what the search would leave is not small."""
-    arguments = [ca.MX.sym(*shape) for shape in _shapes(improved)]
-    state, scale = arguments[:2]
+def _if_needed(name: str, improved: ca.Function) -> ca.Function:
+    """A function of the state, while what the search would leave is not small; else the state."""
+    state, scale, *_ = arguments = _arguments(improved)
+    same = ca.Function("same", arguments, [state])
     choose = ca.Function.if_else("better_or_same", improved, same)
     needed = ca.fabs(state[LEFT]) > BALANCED * scale**2
     found = choose(needed, *arguments)
     return ca.Function(name, arguments, [found], {"never_inline": True})
 
 
-def _shapes(function: ca.Function) -> list[tuple[str, int, int]]:
-    return [(function.name_in(i), *function.size_in(i)) for i in range(function.n_in())]
+def _arguments(function: ca.Function) -> list[ca.MX]:
+    """Symbols for those of a function."""
+    return [ca.MX.sym(function.name_in(i), *function.size_in(i)) for i in range(function.n_in())]

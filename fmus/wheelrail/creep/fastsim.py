@@ -59,13 +59,13 @@ def fastsim(
     c = contact
     limit = c.friction * c.load
     k = c.creep_reduction / limit
-    arms = _grid(strips, points)
+    grid = _grid(strips, points)
     force_x, force_y, moment = _contact_forces(strips, points)(
         k * c.f11 * c.creep_x,
         k * c.f22 * c.creep_y,
         k * c.f23 * c.spin,
-        k * c.f33 * c.spin / (c.b * arms.spin_arm),
-        -c.f23 / (c.f22 * c.a * arms.creep_arm) - 1,
+        k * c.f33 * c.spin / (c.b * grid.spin_arm),
+        -c.f23 / (c.f22 * c.a * grid.creep_arm) - 1,
         c.b / c.a,
     )
     return limit * force_x, limit * force_y, limit * c.a * moment
@@ -101,7 +101,8 @@ def _contact_forces(strips: int, points: int) -> ca.Function:
     creepage; spin x: that of spin's longitudinal tractions at y = b. Forces are over the friction
     limit. lever: by how much more of its arm a creepage's lateral traction acts.
     """
-    grid, point = _grid(strips, points), _point(strips, points)
+    grid = _grid(strips, points)
+    point = _point(grid)
     names = ("demand_x", "demand_y", "demand_spin", "demand_spin_x", "lever", "width")
     arguments = demand_x, demand_y, demand_spin, demand_spin_x, lever, width = [
         ca.MX.sym(name) for name in names
@@ -117,8 +118,7 @@ def _contact_forces(strips: int, points: int) -> ca.Function:
     return ca.Function("contact_forces", arguments, ca.horzsplit(forces))
 
 
-@cache
-def _point(strips: int, points: int) -> ca.Function:
+def _point(grid: _Grid) -> ca.Function:
     """One point further along all strips, side by side: a strip waits for its last point, not for
     the others.
 
@@ -126,7 +126,7 @@ def _point(strips: int, points: int) -> ca.Function:
     the part of y by creepage, over mu times the largest pressure, (strips, 3). sums of force x, y
     and moment/a (strips, 3). slopes: of the traction x by creepage, y by spin (strips, 2).
     """
-    grid = _grid(strips, points)
+    strips = grid.y.size
     tractions, sums = ca.SX.sym("tractions", strips, 3), ca.SX.sym("sums", strips, 3)
     slopes, place = ca.SX.sym("slopes", strips, 2), ca.SX.sym("place", 5)
     demand_y, lever, width = ca.SX.sym("demand_y"), ca.SX.sym("lever"), ca.SX.sym("width")
