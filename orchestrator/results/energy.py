@@ -108,31 +108,36 @@ def add_work(
     sums: Matrix,
 ) -> None:
     """Add what passed from row `first` to row `last` to the sums, shape (4, bonds)."""
-    rows = record.rows
-    for k in range(first, last):
-        before, after = at(record, k), at(record, k + 1)
-        for n in range(watts.size):
-            f0, f1 = rows[before, forces.column[n]], rows[after, forces.column[n]]
-            v0, v1 = rows[before, velocities.column[n]], rows[after, velocities.column[n]]
-            force_end, velocity_end = (
-                led_end(forces, n, record, k),
-                led_end(velocities, n, record, k),
-            )
+    if first >= last:
+        return
+    rows, begin, end = record.rows, at(record, first), at(record, last)
+    for n in range(watts.size):  # one bond after the other: what it needs stays in registers
+        force, velocity = forces.column[n], velocities.column[n]
+        passed, residual, changes, sizes = sums[0, n], sums[1, n], sums[2, n], sums[3, n]
+        f1, v1 = rows[begin, force], rows[begin, velocity]
+        for row in range(begin, end):
+            f0, v0 = f1, v1
+            f1, v1 = rows[row + 1, force], rows[row + 1, velocity]
+            force_end = led_end(forces, n, record, row)
+            velocity_end = led_end(velocities, n, record, row)
             source = work(f0, f1, v0, velocity_end, step) * watts[n]
             target = work(f0, force_end, v0, v1, step) * watts[n]
-            sums[0, n] += 0.5 * (abs(source) + abs(target))
-            sums[1, n] += source - target
-            sums[2, n] += abs(f1 - f0)
-            sums[3, n] += abs(f1) + abs(f0)
+            passed += 0.5 * (abs(source) + abs(target))
+            residual += source - target
+            changes += abs(f1 - f0)
+            sizes += abs(f1) + abs(f0)
+        sums[0, n], sums[1, n], sums[2, n], sums[3, n] = passed, residual, changes, sizes
 
 
 @in_c
-def led_end(sides: Sides, n: int, record: Record, k: int) -> float:
-    """What a side's input was led to at the end of the step from row k [source's unit]."""
-    place = at(record, k)
+def led_end(sides: Sides, n: int, record: Record, row: int) -> float:
+    """What a side's input was led to at the end of the step from a row [source's unit].
+
+    row: where the row stands in memory.
+    """
     if sides.end[n] < 0:
-        return record.rows[place, sides.column[n]]
-    return (record.ends[place, sides.end[n]] - sides.offset[n]) / sides.gain[n]
+        return record.rows[row, sides.column[n]]
+    return (record.ends[row, sides.end[n]] - sides.offset[n]) / sides.gain[n]
 
 
 @in_c

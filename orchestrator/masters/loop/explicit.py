@@ -208,7 +208,8 @@ def ask_tangents(
         )
         if not goes_on(report, source, DERIVE, status):
             return False
+    value, result = inputs.packets.value, tangents.result
+    slot, entry, gain = tangents.slot, tangents.entry, tangents.gain
     for n in range(tangents.first_slot[slave], tangents.first_slot[slave + 1]):
-        result = tangents.result[tangents.entry[n]]
-        inputs.packets.value[tangents.slot[n]] = tangents.gain[n] * result
+        value[slot[n]] = gain[n] * result[entry[n]]
     return True

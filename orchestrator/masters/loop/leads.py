@@ -15,7 +15,7 @@ import numpy as np
 from ...compiled.marks import in_c
 from ...plan.plan import Link, Plan
 from ..coupling import Coupling, Way, interpolated
-from .arrays import Floats, Ints, ints, starts
+from .arrays import Floats, Ints, addresses, ints, starts
 from .packets import Feed, Packets, packets
 from .record import Record, at
 from .tangents import Target
@@ -33,15 +33,17 @@ class Leads(NamedTuple):
 
     Speed and bend are `gain` times what `kind` says of the source's `column`. known, derived: where
     the group's first leads by a known end stop, and those by a tangent's source behind them; these
-    have no bend. rate: the column of a declared rate times `rate_gain`, or the entry of a tangent's
-    results; second: the column of its own declared rate times `second_gain`, or -1. every: macro
-    steps between two new values of the column. slot: the input's place in the feed. constant: of
-    those that are constant over a step, by group.
+    have no bend. declared: where those by a declared rate behind them stop. rate: the column of a
+    declared rate times `rate_gain`, or the entry of a tangent's results; second: the column of its
+    own declared rate times `second_gain`, or -1. every: macro steps between two new values of the
+    column. slot: the input's place in the feed. constant: of those that are constant over a step,
+    by group.
     """
 
     first: Ints
     known: Ints
     derived: Ints
+    declared: Ints
     kind: Ints
     column: Ints
     gain: Floats
@@ -61,10 +63,13 @@ class Leads(NamedTuple):
 class Led(NamedTuple):
     """Numbers to send by group, and the lead that each follows from.
 
-    plain: where the group's first numbers stop that are speeds of leads without a bend.
+    copied: where the group's first numbers begin that are to be copied: none, where the group's
+    numbers are the speeds of all its leads, which the FMU then reads where they are found. plain:
+    where those stop that are speeds of leads without a bend.
     """
 
     packets: Packets
+    copied: Ints
     plain: Ints
     lead: Ints
 
@@ -150,14 +155,18 @@ def lead_tables(
         slots = [int(first_slot[lead.link.target]) + at[lead.link] for lead in flat]
     first = starts([len(group) for group in groups])
     known = first[:-1] + ints(_leading(group, KNOWN_END) for group in groups)
-    derived = ints(
+    derived = known + ints(
         _leading(g[n:], DERIVED) for g, n in zip(groups, known - first[:-1], strict=True)
+    )
+    declared = derived + ints(
+        _leading(g[n:], DECLARED_RATE) for g, n in zip(groups, derived - first[:-1], strict=True)
     )
     constants = [[n for lead, n in g if lead.shape in (MEAN, END)] for g in _numbered(groups)]
     leads = Leads(
         first=first,
         known=known,
-        derived=known + derived,
+        derived=derived,
+        declared=declared,
         kind=ints(lead.kind for lead in flat),
         column=ints(lead.column for lead in flat),
         gain=np.array([lead.link.gain for lead in flat], float),
@@ -187,7 +196,7 @@ def lead_tables(
         ]
         for numbered in _numbered(groups)
     ]
-    return leads, _led(rates), _led(finals)
+    return leads, _led(rates, leads), _led(finals)
 
 
 def _leading(group: Sequence[Lead], kind: int) -> int:
@@ -203,7 +212,7 @@ def _numbered(groups: Sequence[Sequence[Lead]]) -> list[list[tuple[Lead, int]]]:
     ]
 
 
-def _led(groups: Sequence[Sequence[tuple[Lead, int, int]]]) -> Led:
+def _led(groups: Sequence[Sequence[tuple[Lead, int, int]]], leads: Leads | None = None) -> Led:
     references = [[lead.link.input.reference for lead, _, _ in group] for group in groups]
     flat = [entry for group in groups for entry in group]
     made = packets(references, [order for _, _, order in flat])
@@ -213,7 +222,14 @@ def _led(groups: Sequence[Sequence[tuple[Lead, int, int]]]) -> Led:
         )
         for g in groups
     ]
-    return Led(made, made.first[:-1] + ints(plain), ints(n for _, n, _ in flat))
+    copied = made.first[:-1].copy()
+    if leads is not None:
+        for n, group in enumerate(groups):
+            own = range(leads.first[n], leads.first[n + 1])
+            if plain[n] == len(group) and [place for _, place, _ in group] == [*own]:
+                made.value_address[n] = addresses(leads.speed, [own.start])[0]
+                copied[n] += len(group)
+    return Led(made, copied, made.first[:-1] + ints(plain), ints(n for _, n, _ in flat))
 
 
 def end_table(
@@ -291,7 +307,16 @@ def find_leads(
         speeds[n] = gains[n] * ((rows[end, column] - rows[start, column]) / length)
     for n in range(known, derived):
         speeds[n] = gains[n] * result[leads.rate[n]]
-    for n in range(derived, leads.first[group + 1]):
+    rest = derived
+    if window == 1:
+        rest, bends = leads.declared[group], leads.bend
+        for n in range(derived, rest):
+            speeds[n] = gains[n] * (leads.rate_gain[n] * rows[now, leads.rate[n]])
+            bend = 0.0
+            if leads.second[n] >= 0:
+                bend = leads.second_gain[n] * rows[now, leads.second[n]]
+            bends[n] = gains[n] * bend
+    for n in range(rest, leads.first[group + 1]):
         kind, column = leads.kind[n], columns[n]
         speed, bend = 0.0, 0.0
         if kind == KNOWN_END:
@@ -349,7 +374,7 @@ def fill_rates(rates: Led, group: int, leads: Leads, length: float) -> None:
     """Input derivatives of a group: a line has the mean of the parabola over the step."""
     first, value, third = rates.packets.first, rates.packets.value, length / 3.0
     speed, of = leads.speed, rates.lead
-    for n in range(first[group], rates.plain[group]):
+    for n in range(rates.copied[group], rates.plain[group]):
         value[n] = speed[of[n]]
     for n in range(rates.plain[group], first[group + 1]):
         lead = of[n]
@@ -375,13 +400,17 @@ def keep_ends(
 ) -> None:
     """Keep what a slave's inputs were led to at the end of the step from row k."""
     before, after, values = at(record, k), at(record, k + 1), inputs.packets.value
+    rows, kept = record.rows, record.ends
+    slots, of, speed, bend = ends.slot, ends.lead, leads.speed, leads.bend
+    half = 0.5 * length
     for n in range(ends.first[slave], ends.lines[slave]):
-        record.ends[before, n] = values[ends.slot[n]] + change(leads, ends.lead[n], length)
+        lead = of[n]
+        kept[before, n] = values[slots[n]] + length * (speed[lead] + half * bend[lead])
     for n in range(ends.lines[slave], ends.first[slave + 1]):
-        lead = ends.lead[n]
-        value = values[ends.slot[n]] if lead < 0 else led_to(inputs, leads, lead, length)
+        lead = of[n]
+        value = values[slots[n]] if lead < 0 else led_to(inputs, leads, lead, length)
         for m in range(ends.first_term[n], ends.first_term[n + 1]):
             column = ends.term_column[m]
-            moved = record.rows[after, column] - record.rows[before, column]
+            moved = rows[after, column] - rows[before, column]
             value += values[ends.term_slot[m]] * moved
-        record.ends[before, n] = value
+        kept[before, n] = value
