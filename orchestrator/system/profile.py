@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import csv
+import hashlib
 import math
 import re
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 
@@ -76,7 +78,14 @@ class Profile:
             saves_state=True,
             serializes_state=True,
             variable_step=True,
+            sha256=self._sha256,
         )
+
+    @cached_property
+    def _sha256(self) -> str:
+        """Of the numbers: a table that was changed is another one, as an FMU is."""
+        said = repr((self.unit, self.times, self.values))
+        return hashlib.sha256(said.encode()).hexdigest()
 
     def at(self, time: float) -> tuple[float, float]:
         """Value and rate [1/s] at a time [s]; at a point the rate is that of what follows."""

@@ -18,6 +18,7 @@ from orchestrator import (
     read_profile,
 )
 
+from ..columns import file_and_column
 from ..errors import HopperError, choices
 from .hopper import layout_of
 
@@ -118,9 +119,7 @@ def driven(system: System, instance: str, name: str, table: str) -> tuple[System
     Without a column the table's only one is taken, or that which is called as the input is.
     Raises orchestrator.ProfileError, or CouplingError for an input that cannot be driven.
     """
-    path, _, column = table.rpartition(":")
-    if not path or Path(table).exists():
-        path, column = table, ""
+    path, column = file_and_column(table)
     full = f"{instance}.{name}"
     profile = read_profile(path, column or None, (full, name))
     return system.driven(full, profile), profile

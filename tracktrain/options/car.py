@@ -213,7 +213,7 @@ def wheel_option() -> Option:
         "--wheel",
         metavar="FILE",
         help="Profile of all wheels, with --rail: a file or a name, such as worn; or the FMU that "
-        "`tracktrain profile build` makes of both. Real contact geometry instead of cones.",
+        "`tracktrain profile build` makes of both. Real contact geometry instead of `cones`.",
     )
 
 

@@ -40,6 +40,9 @@ Assigned = tuple[str, str, str]
 STEP = 1e-3
 """Of a run of the hopper car [s]."""
 
+CONES, STRAIGHT = "cones", "straight"
+"""Instead of a pair of profiles and of a line: what the car is on without them."""
+
 CAR_ONLY = (
     *("car", "speed", "speed_profile", "track", "layout", "seed"),
     *("initials", "carbody", "wheel", "rail"),
@@ -133,7 +136,12 @@ class Shape:
     @classmethod
     def taken(cls, options: dict[str, Any]) -> Shape:
         """Take what the options say out of a command's."""
-        return cls(**{f.name: options.pop(f.name) for f in fields(cls) if f.name in options})
+        taken = {f.name: options.pop(f.name) for f in fields(cls) if f.name in options}
+        if taken.get("wheel") == CONES:
+            taken |= {"wheel": None, "rail": None}
+        if taken.get("layout") is not None and Path(taken["layout"]).name == STRAIGHT:
+            taken["layout"] = None
+        return cls(**taken)
 
 
 def chosen_car(shape: Shape) -> System:
@@ -235,6 +243,8 @@ def _table(wheel: str, rail: str, radius: float, held: tuple[bytes, ...]) -> Con
 
 def check_pair(wheel: str | None, rail: str | None) -> None:
     """Raise TracktrainError for half a pair of profiles, and for a rail beside an FMU of both."""
+    if wheel == CONES:
+        return
     if wheel is not None and Path(wheel).suffix.lower() == ".fmu":
         if rail is not None:
             raise TracktrainError(

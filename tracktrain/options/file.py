@@ -23,6 +23,7 @@ from click.core import ParameterSource
 
 from fmus.names import NAMES
 
+from ..columns import file_and_column
 from ..errors import TracktrainError, choices
 from .types import Assignment, Name, Quantity
 
@@ -138,8 +139,8 @@ def _from(path: Path, param: click.Parameter, value: Any) -> str:
     if isinstance(param.type, click.Path):
         return str(path.parent / text)
     if _key(param) in (name.lstrip("-") for name in FILES):
-        file = path.parent / text.partition(":")[0]
-        if file.is_file() and text not in NAMES:
+        file, _ = file_and_column(text, path.parent)
+        if (path.parent / file).is_file() and text not in NAMES:
             return str(path.parent / text)
     return text
 
@@ -164,9 +165,9 @@ def _seen(path: Path, folder: Path) -> str:
 
 def _whole(param: click.Parameter, given: str, folder: Path) -> str:
     """What was given, the path of a file as seen from a folder."""
-    file, colon, column = given.partition(":")
+    file, _ = file_and_column(given)
     if f"--{_key(param)}" in FILES and given not in NAMES and Path(file).is_file():
-        return f"{_seen(Path(file), folder)}{colon}{column}"
+        return f"{_seen(Path(file), folder)}{given[len(file) :]}"
     return given
 
 

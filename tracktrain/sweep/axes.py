@@ -13,6 +13,7 @@ from ..car.changes import assigned
 from ..car.hopper import CARS, TRACKS, hopper_car, instances
 from ..errors import TracktrainError, choices
 from ..options.car import is_track_file
+from ..options.chosen import CONES, STRAIGHT
 from ..options.master import MASTERS
 
 if TYPE_CHECKING:
@@ -28,6 +29,9 @@ NAMED = {"car": CARS, "track": TRACKS, "master": MASTERS}
 
 FILES = ("layout", "wheel", "rail")
 """Options that are files; a wheel and a rail are also names of shapes."""
+
+WITHOUT = {"layout": STRAIGHT, "wheel": CONES}
+"""Their values for no file."""
 
 NUMBER_THEN_UNIT = re.compile(
     r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf)(?!\w))\s*(?P<unit>.*?)\s*",
@@ -215,6 +219,8 @@ def _check_file(name: str, value: str) -> None:
     from ..geometry.layout import read_layout
     from ..profiles.reading import profile_of
 
+    if value == WITHOUT.get(name):
+        return
     if name == "layout":
         read_layout(value)
     elif Path(value).suffix.lower() == ".fmu":

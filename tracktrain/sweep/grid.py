@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from orchestrator import in_unit, owned
 
 from ..car.hopper import CARS, hopper_car
+from ..columns import file_and_column
 from ..errors import choices
 from ..options.car import fmu_of
 from ..options.chosen import Shape, check_pair
@@ -128,7 +129,8 @@ def _files(axes: Sequence[Axis], shape: Mapping[str, Any]) -> dict[str, str]:
     given = [*shape.values(), *(value for axis in axes for value in axis.values)]
     for assigned in ("drives", "maps"):
         given += [file for _, _, file in shape[assigned]]
-    paths = {Path(value) for value in given if isinstance(value, str | Path)}
+    named = (str(value) for value in given if isinstance(value, str | Path))
+    paths = {Path(file_and_column(name)[0]) for name in named}
     return {
         str(path): hashlib.sha256(path.read_bytes()).hexdigest()
         for path in sorted(paths)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -43,6 +45,14 @@ def test_distance_is_the_area_below_the_speed(master, step):
     assert run.dataset["track.distance"][-1] == pytest.approx(DISTANCE, rel=1e-13)
     speed = run.dataset["track.speed_out"]
     assert speed.values == pytest.approx(np.interp(speed.time, (0, 1, 3), (20, 20, 8)), rel=1e-13)
+
+
+def test_a_table_is_known_by_its_numbers_wherever_it_was_read():
+    hashes = [
+        replace(RUN_DOWN, **changes).description.sha256
+        for changes in ({}, {"origin": "elsewhere.csv"}, {"unit": "km/h"}, {"times": (0, 1, 4.0)})
+    ]
+    assert hashes[0] == hashes[1] != "" and len(set(hashes)) == 3
 
 
 def test_corners_between_macro_steps_cost_the_square_of_the_step():

@@ -22,6 +22,7 @@ from support.sweep_rows import squared
 from tracktrain.car.hopper import hopper_car
 from tracktrain.cli.main import main
 from tracktrain.errors import TracktrainError
+from tracktrain.options.chosen import Shape
 from tracktrain.options.master import COUPLING
 from tracktrain.scales import FOOT
 from tracktrain.sweep import sweep
@@ -139,6 +140,30 @@ def test_a_sweep_does_not_go_on_with_a_file_that_was_changed(tmp_path, asked):
     curve.write_text(CURVE.replace("600", "500"))
     with pytest.raises(SweepError, match="files ="):
         sweep(over, layout=curve, out=out, workers=1)
+
+
+def test_a_sweep_does_not_go_on_with_another_column_of_a_table_that_was_changed(tmp_path, asked):
+    table, out = tmp_path / "drive.csv", tmp_path / "sweep"
+    rows = "time [s],slow [m/s],fast [m/s]\n0,10,20\n9,10,20\n"
+    table.write_text(rows)
+    driven = {"drives": [("track", "speed", f"{table}:slow")], "workers": 1}
+    sweep({"seed": "1:2"}, out=out, **driven)
+    sweep({"seed": "1:2"}, out=out, **driven)
+    assert len(asked) == 2
+    table.write_text(rows.replace("10", "12"))
+    with pytest.raises(SweepError, match="files ="):
+        sweep({"seed": "1:2"}, out=out, **driven)
+
+
+def test_cones_and_straight_track_are_values_beside_files(tmp_path, asked):
+    curve = tmp_path / "curve.csv"
+    curve.write_text(CURVE)
+    over = [read_axis("wheel=cones,worn"), read_axis(f"layout=straight,{curve}")]
+    sweep(over, rail="crown", workers=1)
+    shapes = [Shape.taken(dict(options)) for options in asked]
+    found = [(shape.wheel, shape.rail, shape.layout) for shape in shapes]
+    cones, worn = (None, None), ("worn", "crown")
+    assert found == [(*cones, None), (*cones, curve), (*worn, None), (*worn, curve)]
 
 
 def test_numbers_without_a_unit_are_in_si_units():
