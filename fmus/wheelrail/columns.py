@@ -16,11 +16,11 @@ from .hertz import semi_axes
 from .kalker import COEFFICIENTS, coefficients
 from .uniform_spline import UniformSpline
 
-KINEMATIC = ("widening", "leverage", "sine", "cosine", "camber", "arm", "ahead")
+KINEMATIC = ("widening", "leverage", "angle", "sine", "cosine", "camber", "arm", "ahead")
 """Columns of the place of a contact and of the plane that it lies in.
 
 widening: rolling radius over the nominal one, less 1; leverage: the ratio itself
-sine, cosine: of the angle between contact plane and track plane
+angle: between contact plane and track plane, rad; sine, cosine: of it
 camber: spin of a wheel that rolls straight on, 1/m
 arm: lateral distance from the middle of the wheelset, m
 ahead: how far the contact moves forwards per angle of yaw, m
@@ -140,7 +140,7 @@ def _columns(
     across = patch.wheel_curvature + patch.rail_curvature
     ellipses = _ellipses()(along, across, poisson_ratio)
     shapes = dict(zip(ELASTIC, np.array(ellipses).reshape(len(ELASTIC), -1), strict=True))
-    return {"widening": ratio - 1, **found, **shapes}
+    return {"widening": ratio - 1, "angle": patch.angle, **found, **shapes}
 
 
 def _ellipses() -> ca.Function:

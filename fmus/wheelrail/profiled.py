@@ -17,7 +17,7 @@ from .columns import ELASTIC, KINEMATIC, LINEAR, Columns
 from .contact_table import ContactTable
 from .creep import LAWS
 from .rolling import Rotation, common_creepage, in_proportion
-from .touching import Touch, Wheels
+from .touching import Wheels
 
 FROM_TABLE = (
     "half_contact_spacing",
@@ -164,22 +164,26 @@ class ProfiledWheelRail(WheelRail):
             found = [s.value(parts[i], rows[i]) for i, s in enumerate(splines)]
             return [ca.horzcat(*(self.columns.at_yaw(column, yaw) for column in found))]
 
-        def touches(wheels: Wheels, columns: Any) -> list[Touch]:
-            named = (by_name(names, column) for column in ca.horzsplit(columns))
-            return wheels.touches(dict(zip(spots, named, strict=True)))
+        def named(columns: Any) -> dict[tuple[str, str], Signals]:
+            each = (by_name(names, column) for column in ca.horzsplit(columns))
+            return dict(zip(spots, each, strict=True))
 
         def contacts(u: Any, p: Any, d: Any, columns: Any) -> list[Any]:
             wheels = self._wheels(law, u, p, d)
-            return wheels.rotation(touches(wheels, columns))
+            return wheels.rotation(wheels.touches(named(columns)))
 
-        def forces(u: Any, p: Any, d: Any, columns: Any, common: Any) -> list[Any]:
-            wheels = self._wheels(law, u, p, d)
-            found = wheels.outputs(touches(wheels, columns), common)
+        def ordered(found: Signals) -> list[Any]:
             return [ca.vertcat(*(found[name] for name in wanted))]
 
+        def forces(u: Any, p: Any, d: Any, columns: Any, common: Any, *touching: Any) -> list[Any]:
+            wheels = self._wheels(law, u, p, d)
+            return ordered(wheels.outputs(wheels.turning(named(columns), *touching), common))
+
         def linear(u: Any, p: Any, d: Any, *looked_up: Any) -> list[Any]:
-            (found,) = columns(u, p, d, *looked_up)
-            return forces(u, p, d, found, in_proportion(*contacts(u, p, d, found)))
+            wheels, (found,) = self._wheels(law, u, p, d), columns(u, p, d, *looked_up)
+            touches = wheels.touches(named(found))
+            common = in_proportion(*wheels.rotation(touches)[:3])
+            return ordered(wheels.outputs(touches, common))
 
         u, p = (ca.MX.sym(n, len(v)) for n, v in (("u", self.inputs), ("p", self.parameters)))
         d = ca.MX.sym("d", len(self.derived_shapes))
@@ -192,10 +196,12 @@ class ProfiledWheelRail(WheelRail):
         else:
             found = self._of_signals("columns", ca.SX, columns, **shapes)(u, p, d, parts, *rows)
             size: Any = {"columns": found.shape}
-            touching = self._of_signals("contacts", ca.SX, contacts, **size)(u, p, d, found)
-            common = rotation(LAWS[law], kind, len(spots))(*touching)
-            last = self._of_signals("forces", kind, forces, **size, common=(1, 1))
-            result = last(u, p, d, found, common)
+            touch = self._of_signals("contacts", ca.SX, contacts, **size)
+            each, grips, pull, normals = touch(u, p, d, found)
+            common = rotation(LAWS[law], kind, len(spots))(each, grips, pull)
+            size |= {"common": (1, 1), "contacts": each.shape, "grips": grips.shape}
+            last = self._of_signals("forces", kind, forces, **size, normals=normals.shape)
+            result = last(u, p, d, found, common, each, grips, normals)
         return ca.Function(
             f"{'_'.join(patches)}_{law}",
             [u, p, d],

@@ -9,7 +9,7 @@ from typing import Any
 
 import casadi as ca
 
-from .creep import Contact, Law
+from .creep import SHARES, Contact, Law
 from .creep.contact import TINY
 
 STATE, GUESS, LEFT = 6, 4, 5
@@ -18,10 +18,13 @@ STATE, GUESS, LEFT = 6, 4, 5
 SELDOM = 27
 """Evaluations of the law after the third. Two are taken as a rule, the forces apart."""
 
-BALANCED = 1e-9
+BALANCED = 1e-7
 """Product of the last two steps of a secant, each over the creepage by which the linear theory
 reaches the friction limit, at which the next creepage is taken unseen: about a hundredth of it is
 left."""
+
+LEAST = 0.02
+"""Share of its secant's that a contact's stiffness is taken for at least."""
 
 SLIDING = 0.1
 """Creepage by which driven or braked wheels may spin or slide."""
@@ -64,24 +67,24 @@ def _stiffness(wheels: list[Contact], stiffnesses: Any) -> Any:
 def common_creepage(law: Law, kind: Any, count: int = 2) -> ca.Function:
     """(contacts, grips, wanted) -> the creepage that all contacts have in common.
 
-    Between the creepages at which each contact alone rolls freely. The first guess is Kalker's,
-    the second takes each contact for as stiff as it was found there; then by secants, with halving
-    where they do not help. Not to be differentiated: see `differentiable`.
+    Between the creepages at which each contact alone rolls freely. The first guess takes each
+    contact for as stiff as its law is halfway, where that is known, else for as stiff as Kalker has
+    it; the second for as stiff as its force tells. Then by secants, with halving where they do not
+    help. Not to be differentiated: see `differentiable`.
     """
-    symbols = _symbols(ca.MX, count)
-    first, nearer = _first(law, kind, count), _nearer(law, kind, count)
-    once, arguments = _if_needed("once", nearer), _arguments(nearer)
+    begun, nearer = _begun(law, kind, count), _nearer(law, kind, count)
+    once, arguments = _unless_found("once", nearer), _arguments(nearer)
     rest = arguments[0]
     for _ in range(SELDOM):
         rest = once(rest, *arguments[1:])
-    often = _if_needed("often", ca.Function("rest", arguments, [rest]))
-    state, scale = first(*symbols)
-    for improved in (once, once, often):
-        state = improved(state, scale, *symbols)
+    often = _unless_found("often", ca.Function("rest", arguments, [rest]))
+    third = ca.Function("third", arguments, [often(nearer(*arguments), *arguments[1:])])
+    symbols = _symbols(ca.MX, count)
+    found = _unless_found("found", third, GUESS)(*begun(*symbols), *symbols)
     return ca.Function(
         "common_creepage",
         symbols,
-        [state[GUESS]],
+        [found],
         {"is_diff_in": [False] * 3, "is_diff_out": [False]},
     )
 
@@ -120,20 +123,27 @@ def net_force(law: Law, kind: Any, count: int = 2) -> ca.Function:
     return ca.Function("net_force", [common, contacts, grips], [total], {"never_inline": True})
 
 
-def _pull(law: Law, wheels: list[Contact], grips: Any, common: Any) -> tuple[Any, list[Any]]:
-    """Sum of the longitudinal forces [N], at the nominal radius; each one's force per creepage."""
+def _pull(law: Law, wheels: list[Contact], grips: Any, common: Any) -> tuple[Any, Any]:
+    """Sum of the longitudinal forces, at the nominal radius, and about how fast it falls [N]."""
     rolling = [wheel.rolling(common) for wheel in wheels]
     forces = [grips[i] * law(wheel)[0] for i, wheel in enumerate(rolling)]
-    # without creepage as stiff as Kalker has it
-    stiffnesses = [
-        (TINY**2 * grips[i] * w.f11 - forces[i] * w.creep_x) / (TINY**2 + w.creep_x**2)
-        for i, w in enumerate(rolling)
-    ]
-    return sum(w.leverage * f for w, f in zip(wheels, forces, strict=True)), stiffnesses
+    stiffnesses = [_stiff(w, grips[i], forces[i]) for i, w in enumerate(rolling)]
+    pull = sum(w.leverage * force for w, force in zip(wheels, forces, strict=True))
+    return pull, _stiffness(wheels, stiffnesses)
 
 
-def _first(law: Law, kind: Any, count: int) -> ca.Function:
-    """(contacts, grips, wanted) -> the search's state after its first evaluation, and its scale:
+def _stiff(contact: Contact, grip: Any, force: Any) -> Any:
+    """About how fast the force on a contact falls with its creepage [N].
+
+    As a share 1/sqrt(1 + demand^2) of the linear force does; without creepage as Kalker has it.
+    """
+    c = contact
+    secant = (TINY**2 * grip * c.f11 - force * c.creep_x) / (TINY**2 + c.creep_x**2)
+    return secant * ca.fmax(1 - (force / (c.friction * c.load)) ** 2, LEAST)
+
+
+def _begun(law: Law, kind: Any, count: int) -> ca.Function:
+    """(contacts, grips, wanted) -> the search's state after two evaluations, and its scale:
     the creepage by which the linear theory reaches the friction limit.
 
     state: low and high end of the bracket, the creepage evaluated last and its excess of force,
@@ -143,25 +153,34 @@ def _first(law: Law, kind: Any, count: int) -> ca.Function:
     wheels = contacts_of(contacts)
     creeps = [wheel.creep_x / wheel.leverage for wheel in wheels]
     limit = sum(grips[i] * w.leverage * w.friction * w.load for i, w in enumerate(wheels))
-    scale = limit / _stiffness(wheels, [grips[i] * wheel.f11 for i, wheel in enumerate(wheels)])
+    linear = [grips[i] * wheel.f11 for i, wheel in enumerate(wheels)]
+    scale = limit / _stiffness(wheels, linear)
     reach = SLIDING * (wanted != 0)
     low, high = -reduce(ca.fmax, creeps) - reach, -reduce(ca.fmin, creeps) + reach
-    guess = in_proportion(contacts, grips, kind(0))
-    force, stiffnesses = _pull(law, wheels, grips, guess)
-    nearer = ca.fmin(ca.fmax(_free(wheels, stiffnesses, wanted), low), high)
-    state = ca.vertcat(low, high, guess, force - wanted, nearer, scale * (nearer - guess))
-    return ca.Function("first", symbols, [state, scale], {"never_inline": True})
+    middle = (low + high) / 2
+    shares = [SHARES[law](wheel.rolling(middle)) if law in SHARES else 1 for wheel in wheels]
+    guess = _free(wheels, [linear[i] * share for i, share in enumerate(shares)], kind(0))
+    force, fall = _pull(law, wheels, grips, guess)
+    nearer = ca.fmin(ca.fmax(guess + (force - wanted) / fall, low), high)
+    state = ca.vertcat(low, high, guess, force - wanted, nearer, 0)
+    found = _bracketed(law, state, scale, wheels, grips, wanted)
+    return ca.Function("begun", symbols, [found, scale], {"never_inline": True})
 
 
 def _nearer(law: Law, kind: Any, count: int) -> ca.Function:
-    """(state, scale, contacts, grips, wanted) -> state after one more evaluation.
-
-    The excess of force falls with the creepage.
-    """
+    """(state, scale, contacts, grips, wanted) -> state after one more evaluation."""
     state, scale = kind.sym("state", STATE), kind.sym("scale")
     contacts, grips, wanted = symbols = _symbols(kind, count)
+    found = _bracketed(law, state, scale, contacts_of(contacts), grips, wanted)
+    return ca.Function("nearer", [state, scale, *symbols], [found], {"never_inline": True})
+
+
+def _bracketed(
+    law: Law, state: Any, scale: Any, wheels: list[Contact], grips: Any, wanted: Any
+) -> Any:
+    """The state after one more evaluation. The excess of force falls with the creepage."""
     low, high, last, at_last, guess, _ = ca.vertsplit(state)
-    excess = _pull(law, contacts_of(contacts), grips, guess)[0] - wanted
+    excess = _pull(law, wheels, grips, guess)[0] - wanted
     low, high = ca.if_else(excess > 0, guess, low), ca.if_else(excess > 0, high, guess)
     fall = at_last - excess
     secant = guess + excess * (guess - last) / ca.if_else(fall == 0, 1, fall)
@@ -170,18 +189,18 @@ def _nearer(law: Law, kind: Any, count: int) -> ca.Function:
     )
     nearer = ca.if_else(helps, secant, (low + high) / 2)
     product = ca.if_else(helps, (secant - guess) * (secant - last), scale**2)
-    found = ca.vertcat(low, high, guess, excess, nearer, product)
-    return ca.Function("nearer", [state, scale, *symbols], [found], {"never_inline": True})
+    return ca.vertcat(low, high, guess, excess, nearer, product)
 
 
-def _if_needed(name: str, improved: ca.Function) -> ca.Function:
-    """A function of the state, while what the search would leave is not small; else the state."""
+def _unless_found(name: str, improved: ca.Function, part: Any = slice(None)) -> ca.Function:
+    """A function of the state, while what the search would leave is not small; else the state.
+    part: of the state that is given."""
     state, scale, *_ = arguments = _arguments(improved)
-    same = ca.Function("same", arguments, [state])
-    choose = ca.Function.if_else("better_or_same", improved, same)
+    same = ca.Function("same", arguments, [state[part]])
+    other = ca.Function("other", arguments, [improved(*arguments)[part]])
+    choose = ca.Function.if_else("better_or_same", other, same)
     needed = ca.fabs(state[LEFT]) > BALANCED * scale**2
-    found = choose(needed, *arguments)
-    return ca.Function(name, arguments, [found], {"never_inline": True})
+    return ca.Function(name, arguments, [choose(needed, *arguments)], {"never_inline": True})
 
 
 def _arguments(function: ca.Function) -> list[ca.MX]:

@@ -13,7 +13,11 @@ from .block import LIFTED, SIDES, TINY_FORCE, floor_ratio, motion, relative, spe
 from .columns import LINEAR, Columns
 from .creep import LAWS, Contact
 from .creep.kalker import kalker
-from .loaded_contact import REDUCTIONS, pressed
+from .loaded_contact import REDUCTIONS, cube_root, pressed
+from .rolling import contacts_of
+
+PATCHES = ("tread", "flange")
+"""Of a wheel, in the order of their touches."""
 
 STEEP = 1e-3
 """Least part of its normal force that a flange carries vertically, before friction locks it."""
@@ -37,11 +41,6 @@ class Touch:
     def lateral(self) -> ca.SX:
         """The normal force's lateral component on the wheelset [N]."""
         return -self.side * self.normal * self.at["sine"]
-
-    @property
-    def angle(self) -> ca.SX:
-        """Of the contact plane to the track plane [rad]."""
-        return ca.atan2(self.at["sine"], self.at["cosine"])
 
 
 @dataclass(frozen=True)
@@ -94,10 +93,24 @@ class Wheels:
         return [touch for side in SIDES for touch in self._touches(side, at)]
 
     def rotation(self, touches: Sequence[Touch]) -> list[ca.SX]:
-        """What the common creepage needs: contacts, their grips, the net force wanted [N]."""
+        """What the common creepage needs: contacts, their grips, the net force wanted [N]; and the
+        contacts' normal forces [N]."""
         contacts = [ca.vertcat(*vars(touch.contact).values()) for touch in touches]
+        grips, normals = zip(*((touch.grip, touch.normal) for touch in touches), strict=True)
         pull = self.u["torque"] / self.columns.table.rolling_radius
-        return [ca.horzcat(*contacts), ca.vertcat(*(touch.grip for touch in touches)), pull]
+        return [ca.horzcat(*contacts), ca.vertcat(*grips), pull, ca.vertcat(*normals)]
+
+    def turning(
+        self, at: Mapping[tuple[str, str], Signals], contacts: Any, grips: Any, normals: Any
+    ) -> list[Touch]:
+        """All contacts again, out of what `rotation` gives of them."""
+        spots = [(side, patch) for side in SIDES for patch in PATCHES if (side, patch) in at]
+        return [
+            Touch(SIDES[side], at[side, patch], normals[i], contact, grips[i])
+            for i, ((side, patch), contact) in enumerate(
+                zip(spots, contacts_of(contacts), strict=True)
+            )
+        ]
 
     def outputs(self, touches: Sequence[Touch], common: ca.SX) -> Signals:
         """All outputs; common: the creepage of all contacts that their rotation leaves."""
@@ -161,7 +174,7 @@ class Wheels:
 
     def _loaded(self, creepages: Signals, at: Signals, force: ca.SX) -> Contact:
         """Hertz' ellipse and Kalker's coefficients under a normal force [N], (26)."""
-        size = (force * self.d["compliance"]) ** (1 / 3)
+        size = cube_root(force * self.d["compliance"])
         stiffness = self.p["shear_modulus"] * size**2
         return Contact(
             **creepages,
@@ -224,7 +237,9 @@ class Wheels:
             "clearance": self.clearance - self.shift(side),
             "normal_force": tread.normal,
             "flange_force": sum(touch.normal for touch in flange),
-            "contact_angle": ca.if_else(self.overlap(side) > 0, touches[-1].angle, tread.angle),
+            "contact_angle": ca.if_else(
+                self.overlap(side) > 0, touches[-1].at["angle"], tread.at["angle"]
+            ),
             "climb": self.climb(side) if flange else 0,
         }
         return force_y + pushing, moment_z, outputs

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
+import casadi as ca
+
 from .contact import Contact, Law
 from .fastsim import fastsim
 from .kalker import kalker
-from .polach import polach
+from .polach import polach, sliding_share
 from .shen_hedrick_elkins import shen_hedrick_elkins
 
 LAWS: dict[str, Law] = {
@@ -16,4 +20,7 @@ LAWS: dict[str, Law] = {
 }
 """The laws of the loaded contact, in the order of the enumeration after `linear`."""
 
-__all__ = ["LAWS", "Contact", "Law"]
+SHARES: dict[Law, Callable[[Contact], ca.SX]] = {polach: sliding_share}
+"""About the share of its linear forces that a contact has left, where that is cheaply known."""
+
+__all__ = ["LAWS", "SHARES", "Contact", "Law"]

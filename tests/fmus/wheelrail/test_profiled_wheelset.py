@@ -205,7 +205,7 @@ def test_creep_takes_the_power_that_motion_and_train_give(coned, rng):
             given += found[f"{side}.force_x"] * (20.0 - sign * arm * motion["wz"])
             given += found[f"{side}.force_y"] * lateral / np.cos(angle) ** 2
         assert slipped < 0
-        assert slipped == pytest.approx(given, rel=1e-6)  # the rotation's root is so near
+        assert slipped == pytest.approx(given, rel=1e-5)  # the rotation's root is so near
 
 
 @pytest.mark.parametrize("y", [3e-3, 8.6e-3, -0.0195])
