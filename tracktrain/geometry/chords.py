@@ -51,6 +51,20 @@ def offsets(values: Array, spacing: float, chord: float) -> Array:
     return values[margin : len(values) - margin] - 0.5 * (ends[0] + ends[1])
 
 
+def from_uniformity(values: Array, spacing: float, chord: float) -> Array:
+    """Mid-chord offsets less the mean of nine of them, a quarter of the chord apart about each.
+
+    A chord shorter at both ends. Source: 49 CFR 213.327(a).
+    """
+    shown, quarter = offsets(values, spacing, chord), chord / (4 * spacing)
+    reach = int(np.ceil(4 * quarter - 1e-9))
+    inside = np.arange(reach, len(shown) - reach, dtype=float)
+    if len(inside) < 1:
+        return np.zeros(0)
+    nine = [_between(shown, inside + number * quarter) for number in range(-4, 5)]
+    return nine[4] - np.mean(nine, axis=0)
+
+
 def _between(values: Array, place: Array) -> Array:
     """Values between stations; exact on them."""
     whole = np.round(place)

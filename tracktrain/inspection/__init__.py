@@ -16,7 +16,7 @@ from fmus.track.spectra import CHANNELS
 
 from ..geometry.errors import GeometryError
 from ..studies.common.outcome import Outcome
-from . import densities, european, federal, pictures
+from . import densities, european, federal, high_speed, pictures
 
 __all__ = ["inspect"]
 
@@ -27,12 +27,17 @@ COARSE = 0.5
 """Distance of stations [m] above which peaks are missed: track is measured each foot."""
 
 NOT_JUDGED = (
-    "not judged are run-off at the end of a raise, harmonics of staggered joints, operation beyond "
-    "5 in of cant deficiency, and classes 6 to 9 (subpart G)"
+    "not judged are run-off at the end of a raise, harmonics of staggered joints, and operation "
+    "beyond 5 in of cant deficiency"
+)
+UNREAD = (
+    "of classes 6 to 9 the law's tables of gauge and alinement were read; its limits of surface "
+    "(213.331) and elevation (213.329) were not, and stand as a public program and an earlier "
+    "edition have them: verified is False in the table"
 )
 RANGES = (
-    "standard deviations are those of sections of {section:g} m, each rail's own; ranges and "
-    "filter of EN 13848-1 are recalled, its text was not read"
+    "standard deviations are those of sections of {section:g} m, each rail's own; the ranges of "
+    "EN 13848-1 are those of a public program, its filter is recalled: the text was not read"
 )
 
 
@@ -48,9 +53,8 @@ def inspect(track: TrackData, number: int | None = None) -> Outcome:
             f"{4 * densities.FEWEST} at least"
         )
     found = {channel: densities.density(track, channel) for channel in densities.present(track)}
-    measured = federal.measures(track)
-    made = federal.class_of(measured)
-    asked = number or min(made + 1, federal.CLASSES[-1])
+    measured, made = _judged(track, number or 0)
+    asked = number or min(made + 1, max(measure.classes[-1] for measure in measured))
     beyond = federal.excursions(measured, asked)
     tables = {"channels": _channels(track), "federal": federal.table(measured)}
     if len(speeds := federal.curve_speeds(track)):
@@ -78,6 +82,20 @@ def inspect(track: TrackData, number: int | None = None) -> Outcome:
     )
 
 
+def _judged(track: TrackData, number: int) -> tuple[list[federal.Measure], int]:
+    """What the law measures, and the class: by subpart G where C allows it or `number` asks."""
+    measured = federal.measures(track)
+    made = federal.class_of(measured)
+    if max(made, number - 1) < federal.CONVENTIONAL:
+        return measured, made
+    if not (further := high_speed.measures(track)) and number > federal.CONVENTIONAL:
+        raise GeometryError(
+            f"{track.name} is {track.length:.4g} m long; class {number} takes "
+            f"{high_speed.SHORTEST:.4g} m at least, for its chord of 124 ft and nine offsets"
+        )
+    return [*measured, *further], federal.class_of([*measured, *further])
+
+
 def _class(made: int) -> str:
     return f"FRA class {made}" if made else "below FRA class 1"
 
@@ -86,8 +104,13 @@ def _notes(
     made: int, asked: int, count: int, spacing: float, found: dict[str, densities.Spectrum]
 ) -> list[str]:
     notes = []
-    if made:
-        speeds = federal.law()["speeds"]
+    speeds = federal.law()["speeds"]
+    if made > federal.CONVENTIONAL:
+        notes.append(
+            f"class {made} is for trains up to {speeds['passenger'][made - 1]} mph; for freight in "
+            f"vehicles that run like those of passengers alone ({speeds['source']})"
+        )
+    elif made:
         notes.append(
             f"class {made} is for freight up to {speeds['freight'][made - 1]} mph and passengers "
             f"up to {speeds['passenger'][made - 1]} mph ({speeds['source']})"
@@ -102,6 +125,7 @@ def _notes(
             f"stations each {spacing:.4g} m may miss the peaks: the law's limits are looked for "
             "each foot"
         )
+    notes += [UNREAD] if max(made, asked) > federal.CONVENTIONAL else []
     notes += [NOT_JUDGED, RANGES.format(section=european.standard()["section"]["value"])]
     if found:
         degrees = next(iter(found.values())).degrees

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -23,7 +23,8 @@ from ..geometry.shapes import RAILS
 
 Array = np.ndarray
 SIDES = ("left", "right")
-CLASSES = (1, 2, 3, 4, 5)
+CONVENTIONAL = 5
+"""The highest class of subpart C; the others are those of subpart G."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,15 +49,29 @@ class Measure:
         said = str(self.limits["description"])
         return f"{said}, {self.rail}" if self.rail else said
 
+    @property
+    def classes(self) -> range:
+        """Those that it is limited for."""
+        first = self.limits.get("first", 1)
+        return range(first, first + len(self.limits["most"]))
+
+    def within(self, number: int) -> tuple[float, float]:
+        """Least and largest value of a class [in]; infinite where it has none."""
+        if number not in self.classes:
+            return -math.inf, math.inf
+        place = self.classes.index(number)
+        most = self.limits["most"][place]
+        return self.limits["least"][place] if "least" in self.limits else -most, most
+
     def beyond(self, number: int) -> Array:
         """How far each value is outside the range of a class [in]; 0 inside."""
-        most = self.limits["most"][number - 1]
-        least = self.limits["least"][number - 1] if "least" in self.limits else -most
+        least, most = self.within(number)
         return np.maximum(np.maximum(self.values - most, least - self.values), 0.0)
 
     def attained(self) -> int:
-        """The highest class whose limits all values keep; 0 where those of class 1 are exceeded."""
-        return max((n for n in CLASSES if not self.beyond(n).any()), default=0)
+        """The highest of its classes whose limits all values keep; else the one below its first."""
+        exceeded = (number for number in self.classes if self.beyond(number).any())
+        return next(exceeded, self.classes[-1] + 1) - 1
 
     @property
     def worst(self) -> int:
@@ -68,8 +83,19 @@ class Measure:
 
 @cache
 def law() -> Mapping[str, Any]:
-    """federal.toml."""
-    return tomllib.loads((files(__package__) / "federal.toml").read_text(encoding="utf-8"))
+    """federal.toml; what has limits by chord is there once for each, as in profile_31."""
+    found: dict[str, Any] = {}
+    text = (files(__package__) / "federal.toml").read_text(encoding="utf-8")
+    for key, entry in tomllib.loads(text).items():
+        if "chords" not in entry:
+            found[key] = entry
+        for feet, most in entry.get("chords", {}).items():
+            found[f"{key}_{feet}"] = entry | {
+                "description": entry["description"].format(chord=feet),
+                "chord": {"value": float(feet), "unit": "ft"},
+                "most": most,
+            }
+    return found
 
 
 def rail(track: TrackData, name: str) -> Array:
@@ -89,37 +115,66 @@ def measures(track: TrackData) -> list[Measure]:
     offsets: either may be the line rail. In curves and transitions it is the outer one. What a
     chord needs beyond the ends is not measured.
     """
-    stations = track.stations
-    gauge = data()["gauge"]["nominal"]["value"] + track.values[CHANNELS.index("gauge")] / INCH
-    level = track.values[CHANNELS.index("cross_level")] / INCH
-    turns = _turns(track)
-    straight, left = turns == 0, turns > 0
-    total = level if track.line is None else level + track.line[1] / INCH
-    either = [_offset(track, "alignment", f"{side}_alignment", side, straight) for side in SIDES]
+    turns = turning(track)
+    straight = turns == 0
+    either = [offset(track, "alignment", side, straight) for side in SIDES]
     either.sort(key=lambda m: (-m.attained(), np.abs(m.values).max(initial=0.0)))
-    found = [Measure("gauge", "", stations, gauge), either[0]]
-    if not straight.all():
+    found = [gauge(track, "gauge"), either[0]]
+    for side, outer in outer_rails(turns):
         for key in ("alignment_in_curves", "short_alignment_in_curves"):
-            for side, outer in zip(SIDES, (~left, left), strict=True):
-                if (own := ~straight & outer).any():
-                    found.append(_offset(track, key, f"{side}_alignment", side, own))
-        high = np.where(straight, 0.0, np.where(left, -total, total))
-        found.append(Measure("elevation", "", stations, high))
-    found += [_offset(track, "profile", f"{side}_profile", side) for side in SIDES]
-    window = law()["warp"]["window"]["value"] * FOOT
+            found.append(offset(track, key, side, outer))
+    if not straight.all():
+        found.append(elevation(track, "elevation", turns))
+    found += [offset(track, "profile", side) for side in SIDES]
     return [
         *[measure for measure in found if len(measure.values)],
-        Measure("cross_level", "", stations, np.where(straight, level, 0.0)),
-        Measure("warp", "", stations, spread_within(total, track.spacing, window)),
+        cross_level(track, "cross_level", straight),
+        warp(track, "warp"),
     ]
 
 
-def _offset(
-    track: TrackData, key: str, of_rail: str, side: str, where: Array | None = None
+def gauge(track: TrackData, key: str) -> Measure:
+    """At each station."""
+    nominal = data()["gauge"]["nominal"]["value"]
+    values = nominal + track.values[CHANNELS.index("gauge")] / INCH
+    return Measure(key, "", track.stations, values)
+
+
+def cross_level(track: TrackData, key: str, straight: Array) -> Measure:
+    """From zero on straight track; 0 elsewhere."""
+    level = track.values[CHANNELS.index("cross_level")] / INCH
+    return Measure(key, "", track.stations, np.where(straight, level, 0.0))
+
+
+def elevation(track: TrackData, key: str, turns: Array) -> Measure:
+    """Of the outer rail in curves and transitions; 0 elsewhere."""
+    return Measure(key, "", track.stations, np.where(turns == 0, 0.0, -turns * _height(track)))
+
+
+def warp(track: TrackData, key: str) -> Measure:
+    """Largest difference of cross-level, cant included, within the limit's window."""
+    window = law()[key]["window"]["value"] * FOOT
+    spread = spread_within(_height(track), track.spacing, window)
+    return Measure(key, "", track.stations, spread)
+
+
+def _height(track: TrackData) -> Array:
+    """How far the left rail is above the right one, cant included [in]."""
+    level = track.values[CHANNELS.index("cross_level")]
+    return np.asarray(level if track.line is None else level + track.line[1]) / INCH
+
+
+def offset(
+    track: TrackData,
+    key: str,
+    side: str,
+    where: Array | None = None,
+    shown: Callable[[Array, float, float], Array] = offsets,
 ) -> Measure:
-    """Mid-chord offsets of a rail, by the chord of a limit; 0 where they do not count."""
+    """What a limit's chord shows of a rail's alignment or profile; 0 where it does not count."""
     chord = law()[key]["chord"]["value"] * FOOT
-    values = offsets(rail(track, of_rail), track.spacing, chord) / INCH
+    of_rail = f"{side}_alignment" if "alignment" in key else f"{side}_profile"
+    values = shown(rail(track, of_rail), track.spacing, chord) / INCH
     margin = (len(track.stations) - len(values)) // 2
     inside = slice(margin, margin + len(values))
     if where is not None:
@@ -127,7 +182,14 @@ def _offset(
     return Measure(key, side, track.stations[inside], values)
 
 
-def _turns(track: TrackData) -> Array:
+def outer_rails(turns: Array) -> Iterator[tuple[str, Array]]:
+    """Each side that is outside in a curve or a transition, and where."""
+    for side, outer in zip(SIDES, (turns < 0, turns > 0), strict=True):
+        if outer.any():
+            yield side, outer
+
+
+def turning(track: TrackData) -> Array:
     """1 where a curve or a transition bends to the left, -1 to the right, 0 straight."""
     found, places = np.zeros(len(track.stations)), _sections(track)
     for section in places:
@@ -173,12 +235,11 @@ def spread_within(values: Array, spacing: float, length: float) -> Array:
     return np.asarray(high - minimum_filter1d(values, count, mode="nearest"))
 
 
-def table(found: list[Measure]) -> pd.DataFrame:
+def table(found: Sequence[Measure]) -> pd.DataFrame:
     """The worst of each measure, the class that it makes and its limits there and one higher."""
     rows = []
     for measure in found:
         number, worst = measure.attained(), measure.worst
-        shown = [n for n in (number, number + 1) if n in CLASSES]
         rows.append(
             {
                 "parameter": measure.name,
@@ -186,7 +247,7 @@ def table(found: list[Measure]) -> pd.DataFrame:
                 "station [m]": float(measure.stations[worst]),
                 "class": number,
                 **{
-                    title: _range(measure, n) if n in shown else "-"
+                    title: _range(measure, n)
                     for title, n in (("limit [in]", number), ("next class [in]", number + 1))
                 },
                 "paragraph": measure.limits["source"],
@@ -197,20 +258,24 @@ def table(found: list[Measure]) -> pd.DataFrame:
 
 
 def _range(measure: Measure, number: int) -> str:
-    most = f"{measure.limits['most'][number - 1]:g}".replace("inf", "none")
-    return f"{measure.limits['least'][number - 1]:g} to {most}" if _two_sided(measure) else most
+    if number not in measure.classes:
+        return "-"
+    least, most = measure.within(number)
+    shown = f"{most:g}".replace("inf", "none")
+    return f"{least:g} to {shown}" if "least" in measure.limits else shown
 
 
-def _two_sided(measure: Measure) -> bool:
-    return "least" in measure.limits
+def class_of(found: Sequence[Measure]) -> int:
+    """The class of the track: the lowest of its measures; 0 below class 1.
+
+    A measure that keeps its highest class says nothing of those beyond.
+    """
+    made = [(measure.attained(), measure.classes[-1]) for measure in found]
+    most = max(last for _, last in made)
+    return min((attained for attained, last in made if attained < last), default=most)
 
 
-def class_of(found: list[Measure]) -> int:
-    """The class of the track: the lowest of its measures; 0 below class 1."""
-    return min(measure.attained() for measure in found)
-
-
-def excursions(found: list[Measure], number: int) -> pd.DataFrame:
+def excursions(found: Sequence[Measure], number: int) -> pd.DataFrame:
     """Stretches that are outside the limits of a class: where, the worst value, what it keeps."""
     rows = []
     for measure in found:

@@ -20,7 +20,7 @@ from ..geometry.spectra import PUBLISHED, published
 from ..plots import BLUE, INK, MUTED, RED, STYLE, column, conversion, envelope
 from ..scales import FOOT
 from .densities import density
-from .federal import CLASSES, Measure
+from .federal import Measure
 from .whittle import Fit
 
 GERMAN = "german-low"
@@ -50,9 +50,13 @@ def track(data: TrackData, beyond: pd.DataFrame) -> Figure:
 
 @mpl.rc_context(STYLE)
 def law(measured: Sequence[Measure], made: int, asked: int) -> Figure:
-    """What 49 CFR 213 measures along the track, and the limits of two classes."""
+    """What 49 CFR 213 measures along the track, and the limits of two classes.
+
+    Of the measures those that limit the class that is asked for, without repeated deviations.
+    """
+    measured = [m for m in measured if asked in m.classes and not m.key.startswith("repeated")]
     figure, axes = column(len(measured), 1.5)
-    shown = sorted({n for n in (made, asked) if n in CLASSES})
+    shown = sorted({made, asked} - {0})
     for ax, measure in zip(axes, measured, strict=True):
         ax.plot(*envelope(measure.stations, measure.values), color=BLUE)
         for number in shown:
@@ -158,7 +162,5 @@ def _law_of(channel: str) -> tuple[str, ...]:
 
 
 def _levels(measure: Measure, number: int) -> tuple[float, ...]:
-    most = measure.limits["most"][number - 1]
-    if measure.key == "warp":
-        return (most,)
-    return measure.limits["least"][number - 1] if "least" in measure.limits else -most, most
+    least, most = measure.within(number)
+    return (most,) if "window" in measure.limits else (least, most)

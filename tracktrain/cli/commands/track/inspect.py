@@ -39,7 +39,7 @@ Examples:
 @click.option(
     "--class",
     "number",
-    type=click.IntRange(1, 5),
+    type=click.IntRange(1, 9),
     help="FRA class whose excursions are told.  [default: the one above what the track makes]",
 )
 @outcome_options("tables and pictures", "inspect")
