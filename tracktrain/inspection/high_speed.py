@@ -41,8 +41,8 @@ def measures(track: TrackData) -> list[Measure]:
     turns = turning(track)
     straight = turns == 0
     found = [gauge(track, "high_gauge"), _gauge_change(track)]
-    either = [_alignment(track, "uniform_alignment", side, straight) for side in SIDES]
-    found += max(either, key=class_of)
+    left, right = (_alignment(track, "uniform_alignment", side, straight) for side in SIDES)
+    found += left if class_of(left) >= class_of(right) else right
     for side, outer in outer_rails(turns):
         found += _alignment(track, "uniform_alignment_in_curves", side, outer)
     if not straight.all():
