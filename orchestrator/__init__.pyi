@@ -68,7 +68,7 @@ from .system.transformation import Linear, Table
 from .trust.findings import CHECKS, Level, Verdict
 from .trust.tested import self_tests
 from .whole.coupled import CoupledCode, coupled_code
-from .whole.linearise import LinearModel, linearise
+from .whole.linearise import LinearModel, linearise, linearised
 from .whole.monolith import monolith
 from .whole.verify import verify
 
@@ -154,6 +154,7 @@ __all__ = [
     "interpolated",
     "is_pattern",
     "linearise",
+    "linearised",
     "make_plan",
     "master_named",
     "monolith",

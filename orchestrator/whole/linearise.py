@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,13 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import CouplingError
+from ..errors import CouplingError, choices
 from ..fmu.given import in_unit
 from ..plan.plan import Plan
+from ..plan.start_values import resolve
 from ..run.log import Logger, listener
 from ..ssp.reader import system_of
-from ..system.system import System
-from .model_exchange import Model, load_models, plan_whole
+from ..system.system import System, Value
+from .model_exchange import Model, initialize, load_models, plan_whole
 from .monolith import Whole
 
 SINGULAR = 1e-9
@@ -58,14 +59,65 @@ def linearise(
     Raises OrchestratorError for an FMU that offers no model exchange or no directional derivatives,
     and for loops without a solution.
     """
+    with linearised(system, start=start, record=record, logger=logger) as model:
+        return model({})
+
+
+@contextmanager
+def linearised(
+    system: System | Path | str,
+    *,
+    start: float | str = 0.0,
+    record: str | Sequence[str] | None = None,
+    logger: Logger | None = None,
+) -> Iterator[Callable[[Mapping[str, Value]], LinearModel]]:
+    """What gives the linear model of a system with some of its values changed, as `linearise`.
+
+    with linearised(system) as model:
+        softer = model({"truck.spring": "200 lbf/in"})
+
+    values: by "instance.variable". The FMUs are loaded once, and reset for further values;
+    CouplingError for one that cannot be.
+    """
     system, start = system_of(system), in_unit(start, "s", "start")
     plan = plan_whole(system, record)
     with ExitStack() as stack:
         models = load_models(system, plan, stack, start, start, listener(logger))
         _check(models)
-        whole = Whole(plan, models)
-        whole.outputs(start, whole.leave_event_mode())
-        return _assembled(plan, models)
+        whole, tangent = Whole(plan, models), _Tangent(plan, models)
+        loaded = True
+
+        def model(values: Mapping[str, Value]) -> LinearModel:
+            nonlocal loaded
+            if values or not loaded:
+                _begin_again(plan, models, values, start)
+            loaded = False
+            whole.outputs(start, whole.leave_event_mode())
+            return tangent.model()
+
+        yield model
+
+
+def _begin_again(
+    plan: Plan, models: Sequence[Model], values: Mapping[str, Value], start: float
+) -> None:
+    given = [{variable.name: (variable, value) for variable, value in own} for own in plan.values]
+    for full, value in values.items():
+        instance, _, name = full.partition(".")
+        if instance not in plan.names:
+            raise CouplingError(
+                f"there is no instance '{instance}' for '{full}'; {choices(instance, plan.names)}"
+            )
+        place = plan.names.index(instance)
+        found = resolve(instance, plan.descriptions[place], name, value)
+        given[place] |= {variable.name: (variable, own) for variable, own in found}
+    lasting = [model.name for model in models if not model.reset()]
+    if lasting:
+        raise CouplingError(
+            f"the system cannot be linearised with other values: {', '.join(lasting)} cannot be "
+            "reset; linearise each system for itself"
+        )
+    initialize(plan, models, [tuple(own.values()) for own in given], start, start)
 
 
 def _check(models: Sequence[Model]) -> None:
@@ -77,53 +129,65 @@ def _check(models: Sequence[Model]) -> None:
         )
 
 
-def _assembled(plan: Plan, models: Sequence[Model]) -> LinearModel:
-    states = [(i, name) for i, model in enumerate(models) for name in model.continuous.states]
-    linked = [(k.target, k.input.name) for k in plan.links]
-    opened = [
-        (i, v.name)
-        for i, description in enumerate(plan.descriptions)
-        for v in description.inputs
-        if v.kind == "real"
-        and (i, v.name) not in plan.link_of
-        and v.name not in description.partials
-    ]
-    columns = [(i, v.name) for i, v in plan.columns]
-    rates = [(i, name) for i, model in enumerate(models) for name in model.continuous.rates]
-    known = [*states, *linked, *opened]
-    slopes = np.zeros((len(rates) + len(columns), len(known)))
-    row_of: dict[int, list[int]] = {i: [] for i in range(len(models))}
-    for n, (i, _) in enumerate([*rates, *columns]):
-        row_of[i].append(n)
-    unknowns = [*rates, *columns]
-    for n, (i, name) in enumerate(known):
-        names = [unknowns[row][1] for row in row_of[i]]
-        if names:
-            slopes[row_of[i], n] = models[i].derivatives(names, name)
-    n_x, n_u = len(states), len(linked)
-    by_state, by_link, by_input = np.split(slopes, [n_x, n_x + n_u], axis=1)
-    carried = np.zeros((n_u, len(columns)))
-    for n, link in enumerate(plan.links):
-        carried[n, plan.column_of[link.source, link.output.name]] = link.gain
-    # y = C x + D (K y) + E u, x' likewise with the links' inputs K y.
-    loop = np.eye(len(columns)) - by_link[n_x:] @ carried
-    _check_loop(plan, loop)
-    y_by = np.linalg.solve(loop, np.hstack([by_state[n_x:], by_input[n_x:]]))
-    x_by = np.hstack([by_state[:n_x], by_input[:n_x]]) + by_link[:n_x] @ carried @ y_by
+class _Tangent:
+    """The derivatives of a system's instances where they are, and the model that they make."""
 
-    def named(ports: Sequence[tuple[int, str]]) -> tuple[str, ...]:
-        return tuple(f"{plan.names[i]}.{name}" for i, name in ports)
+    def __init__(self, plan: Plan, models: Sequence[Model]) -> None:
+        self._plan = plan
+        self._states = [
+            (i, name) for i, model in enumerate(models) for name in model.continuous.states
+        ]
+        linked = [(k.target, k.input.name) for k in plan.links]
+        self._opened = [
+            (i, v.name)
+            for i, description in enumerate(plan.descriptions)
+            for v in description.inputs
+            if v.kind == "real"
+            and (i, v.name) not in plan.link_of
+            and v.name not in description.partials
+        ]
+        self._columns = [(i, v.name) for i, v in plan.columns]
+        rates = [(i, name) for i, model in enumerate(models) for name in model.continuous.rates]
+        unknowns = [*rates, *self._columns]
+        self._known = [*self._states, *linked, *self._opened]
+        self._rows = [
+            [n for n, (i, _) in enumerate(unknowns) if i == own] for own in range(len(models))
+        ]
+        self._along = [
+            model.derivatives([unknowns[n][1] for n in rows]) if rows else None
+            for model, rows in zip(models, self._rows, strict=True)
+        ]
+        self._carried = np.zeros((len(linked), len(self._columns)))
+        for n, link in enumerate(plan.links):
+            self._carried[n, plan.column_of[link.source, link.output.name]] = link.gain
 
-    kept = y_by[plan.recorded]
-    return LinearModel(
-        a=x_by[:, :n_x],
-        b=x_by[:, n_x:],
-        c=kept[:, :n_x],
-        d=kept[:, n_x:],
-        states=named(states),
-        inputs=named(opened),
-        outputs=named([columns[n] for n in plan.recorded]),
-    )
+    def model(self) -> LinearModel:
+        """Of the values, states and inputs that the instances have."""
+        n_x, n_u = len(self._states), len(self._carried)
+        slopes = np.zeros((n_x + len(self._columns), len(self._known)))
+        for n, (i, name) in enumerate(self._known):
+            along = self._along[i]
+            if along is not None:
+                slopes[self._rows[i], n] = along(name)
+        by_state, by_link, by_input = np.split(slopes, [n_x, n_x + n_u], axis=1)
+        # y = C x + D (K y) + E u, x' likewise with the links' inputs K y.
+        loop = np.eye(len(self._columns)) - by_link[n_x:] @ self._carried
+        _check_loop(self._plan, loop)
+        y_by = np.linalg.solve(loop, np.hstack([by_state[n_x:], by_input[n_x:]]))
+        x_by = np.hstack([by_state[:n_x], by_input[:n_x]]) + by_link[:n_x] @ self._carried @ y_by
+        kept = y_by[self._plan.recorded]
+        return LinearModel(
+            a=x_by[:, :n_x],
+            b=x_by[:, n_x:],
+            c=kept[:, :n_x],
+            d=kept[:, n_x:],
+            states=self._named(self._states),
+            inputs=self._named(self._opened),
+            outputs=self._named([self._columns[n] for n in self._plan.recorded]),
+        )
+
+    def _named(self, ports: Sequence[tuple[int, str]]) -> tuple[str, ...]:
+        return tuple(f"{self._plan.names[i]}.{name}" for i, name in ports)
 
 
 def _check_loop(plan: Plan, loop: Any) -> None:

@@ -19,16 +19,19 @@ from ..fmu.description import MODEL_EXCHANGE, Description, Variable
 from ..fmu.read import open_fmu
 from ..plan.plan import Plan, make_plan
 from ..run.initial_values import settle
-from ..slaves.abi import DIRECTIONAL, FUNCTIONS
+from ..slaves.abi import DIRECTIONAL, FUNCTIONS, NAMES
 from ..slaves.fmi2 import Fmi2Slave
 from ..slaves.fmi3 import Fmi3Slave
 from ..slaves.fmu import FmuSlave, address_of
 from ..slaves.listener import Listener
 from ..slaves.loading import lanes_of, unzip
 from ..slaves.status import fine, returned
-from ..system.system import System
+from ..system.system import System, Value
 
 Array = NDArray[np.float64]
+Given = Sequence[tuple[Variable, Value]]
+"""Variables of an instance and their values at the start."""
+
 Call = Callable[[], None]
 """Reads from or writes to the array that it is bound to; raises SlaveError."""
 
@@ -109,15 +112,25 @@ class Model(FmuSlave):
     def enter_continuous_mode(self) -> None:
         self._call("refused continuous-time mode", self._fmu.enterContinuousTimeMode)
 
-    def derivatives(self, unknowns: Sequence[str], known: str) -> Array:
-        named = self.description.variables
-        status, result = self.directional([named[name] for name in unknowns], named[known])
-        if not fine(status):
-            raise SlaveError(
-                f"{self.name}: cannot give derivatives by {known}: "
-                f"{self.fault(DIRECTIONAL, status)}{self.said()}"
-            )
-        return result
+    def derivatives(self, unknowns: Sequence[str]) -> Callable[[str], Array]:
+        """What gives the derivatives of these variables by one; the next call overwrites them."""
+        named, name = self.description.variables, NAMES[DIRECTIONAL]
+        of = np.array([named[unknown].reference for unknown in unknowns], np.uint32)
+        by, seed, result = np.zeros(1, np.uint32), np.ones(1), np.zeros(len(of))
+        call: Any = FUNCTIONS[name].c(getattr(self.addresses, name))
+        places = (of.ctypes.data, len(of), by.ctypes.data, 1, seed.ctypes.data, result.ctypes.data)
+
+        def along(known: str, keep: Any = (of, seed)) -> Array:
+            by[0] = named[known].reference
+            status = call(self.addresses.instance, *places)
+            if not fine(status):
+                raise SlaveError(
+                    f"{self.name}: cannot give derivatives by {known}: "
+                    f"{self.fault(DIRECTIONAL, status)}{self.said()}"
+                )
+            return result
+
+        return along
 
     def _refuse_end(self, ended: Any) -> None:
         if ended:
@@ -232,15 +245,22 @@ def load_models(
         model = kind(_continuous(path, description), *instance)
         stack.callback(model.close)
         models.append(model)
-    for model, values in zip(models, plan.values, strict=True):
-        for variable, value in values:
+    initialize(plan, models, plan.values, start, stop)
+    return models
+
+
+def initialize(
+    plan: Plan, models: Sequence[Model], values: Sequence[Given], start: float, stop: float
+) -> None:
+    """Give instances that are just loaded, or were reset, their values; be ready at `start` [s]."""
+    for model, given in zip(models, values, strict=True):
+        for variable, value in given:
             model.set_value(variable, value)
     for model in models:
         model.start(start, stop)
     settle(plan, models)
     for model in models:
         model.begin_stepping()
-    return models
 
 
 def _continuous(path: Path, description: Description) -> Continuous:

@@ -22,7 +22,7 @@ from ..car.kept import kept_fmu
 from ..car.layout import Layout
 from ..car.linear_fmus import LinearFmus
 from ..car.linear_motion import LinearMotion
-from ..car.modes import critical_speeds, growing
+from ..car.modes import Critical, critical_speeds, growing
 from ..results import mean_speed
 from ..scales import FOOT, MILE_PER_HOUR
 
@@ -97,7 +97,7 @@ def linear_of(dataset: Responses) -> tuple[LinearMotion, tuple[str, ...]] | None
     return linear, tuple(
         f"the FMU of {instance}"
         for instance in swapped(dataset, layout)
-        if instance not in wheelsets
+        if instance not in wheelsets and not (data and instance == layout.carbody)
     )
 
 
@@ -122,7 +122,7 @@ def standing(dataset: Responses) -> Standing | None:
         return None
     linear, unknown = found
     now = growing(linear, speed)
-    first = next(iter(critical_speeds(linear, np.linspace(LOWEST, HIGHEST, SPEEDS))), None)
+    first = first_critical(linear)
     return Standing(
         speed,
         first.speed if first else None,
@@ -131,6 +131,12 @@ def standing(dataset: Responses) -> Standing | None:
         now.root.imag / (2 * pi) if now else 0.0,
         unknown,
     )
+
+
+@lru_cache(maxsize=4)
+def first_critical(linear: LinearMotion) -> Critical | None:
+    """The lowest critical speed of a car; None for none up to `HIGHEST`."""
+    return next(iter(critical_speeds(linear, np.linspace(LOWEST, HIGHEST, SPEEDS))), None)
 
 
 def given_parameters(dataset: Responses, instance: str) -> Mapping[str, float]:

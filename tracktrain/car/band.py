@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import sqrt
 
-from .linear import LinearCar
+from .linear_motion import LinearMotion
 from .modes import Critical
 from .spreads import Uncertain
 
@@ -48,16 +48,12 @@ def first_order(value: float, slopes: Mapping[str, float], numbers: Sequence[Unc
     return Band(centre, sqrt(total), slopes, shares)
 
 
-def critical_band(linear: LinearCar, critical: Critical, numbers: Sequence[Uncertain]) -> Band:
+def critical_band(linear: LinearMotion, critical: Critical, numbers: Sequence[Uncertain]) -> Band:
     """The band of a critical speed [m/s].
 
-    Where the growth of the mode stays zero, dV/dp = -(dg/dp)/(dg/dV): exact, out of the left and
-    the right eigenvector.
+    Where the growth of the mode stays zero, dV/dp = -(dg/dp)/(dg/dV), out of the left and the right
+    eigenvector. Numbers that the car does not have as they are known are no part of it.
     """
-    by_parameter, by_speed = linear.slopes(critical.speed, critical.root)
-    slopes = {
-        n.name: -sum(f * by_parameter[name].real for name, f in n.changes(1.0).items())
-        / by_speed.real
-        for n in numbers
-    }
-    return first_order(critical.speed, slopes, numbers)
+    along, by_speed = linear.slopes_along(critical.speed, critical.root, numbers)
+    slopes = {name: -slope.real / by_speed.real for name, slope in along.items()}
+    return first_order(critical.speed, slopes, [n for n in numbers if n.name in slopes])

@@ -33,6 +33,7 @@ from ..scales import FOOT
 from .hopper import parameters_of, vehicle
 from .layout import Layout
 from .linear_motion import Array, LinearMotion
+from .spreads import Uncertain
 
 Blocks = tuple[tuple[str, Block], ...]
 Friction = tuple[tuple[str, str], ...]
@@ -159,14 +160,9 @@ class LinearCar(LinearMotion):
     def slopes(self, speed: float, root: complex) -> tuple[dict[str, complex], complex]:
         """Derivative of an eigenvalue with respect to each parameter, and to the speed.
 
-        w^H (dA/dp) v/(w^H v) with the left and right eigenvectors: exact. [1/s per SI unit]
+        Exact [1/s per SI unit].
         """
-        matrix = self.matrix(speed)
-        roots, right = np.linalg.eig(matrix)
-        place = int(np.abs(roots - root).argmin())
-        v = right[:, place]
-        w = np.linalg.inv(right)[place]
-        weights = np.outer(w, v)
+        weights = self.weights(speed, root)
         arguments = self._arguments(speed, {})
         pulled = [
             np.array(self._function("slopes")(*arguments, part)).ravel()
@@ -180,6 +176,16 @@ class LinearCar(LinearMotion):
             for p in self.parameters
         }
         return found, complex(along[-1])
+
+    def slopes_along(
+        self, speed: float, root: complex, numbers: Sequence[Uncertain]
+    ) -> tuple[dict[str, complex], complex]:
+        by_parameter, by_speed = self.slopes(speed, root)
+        found = {
+            n.name: sum(f * by_parameter[name] for name, f in n.changes(1.0).items())
+            for n in numbers
+        }
+        return found, by_speed
 
 
 def linear_car(

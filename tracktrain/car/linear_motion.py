@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from fmus.carbody.modal_data import ModalData
 from fmus.truck.mass import mass_matrix
 
 from .layout import Layout
+from .spreads import Uncertain
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -32,6 +33,16 @@ class LinearMotion(ABC):
     def matrix(self, speed: float) -> Array:
         """A at a speed [m/s], (states, states)."""
 
+    @abstractmethod
+    def slopes_along(
+        self, speed: float, root: complex, numbers: Sequence[Uncertain]
+    ) -> tuple[dict[str, complex], complex]:
+        """Derivative of an eigenvalue at a speed [m/s] by these numbers, and by the speed.
+
+        By name [1/s per SI unit], with what follows a number. Numbers that the car does not have,
+        or has otherwise than they are known, are left out.
+        """
+
     @property
     @abstractmethod
     def truck(self) -> Mapping[str, float]:
@@ -48,6 +59,15 @@ class LinearMotion(ABC):
         """Largest growth rate [1/s] of any oscillation."""
         roots = np.linalg.eigvals(self.matrix(speed))
         return float(roots.real[roots.imag > 1e-6 * np.abs(roots).max() * 1e-3].max())
+
+    def weights(self, speed: float, root: complex) -> Complex:
+        """Derivative of the eigenvalue near `root` by each element of A, (states, states).
+
+        w v^T/(w^T v) with the left and right eigenvectors: exact.
+        """
+        roots, right = np.linalg.eig(self.matrix(speed))
+        place = int(np.abs(roots - root).argmin())
+        return np.outer(np.linalg.inv(right)[place], right[:, place])
 
     def coordinates(self, shapes: Complex) -> Complex:
         """The rows of shapes (states, ...) that are coordinates, those of the carbody first."""

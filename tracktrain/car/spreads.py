@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 
-from fmus import BLOCKS as KINDS
+from fmus.catalogue import parameter_units
 from fmus.describe.parameters import parameter_set
 from fmus.describe.spread import Spread
 
@@ -53,22 +53,27 @@ def uncertain(car: str = "loaded", patterns: Sequence[str] = ("*",)) -> list[Unc
     where nothing fits.
     """
     given, values = parameter_set(vehicle(car).parameters), parameters_of(car)
-    blocks = {name: KINDS[name]() for name in BLOCKS}
-    following = [pair for block in blocks.values() for pair in given.followers(block).items()]
     at = {name: value for block in BLOCKS for name, value in values[block].items()}
+    entries = {
+        block: {name: entry for name in values[block] if (entry := given.entry(name, block))}
+        for block in BLOCKS
+    }
+    following = {n: e.follows for own in entries.values() for n, e in own.items() if e.follows}
     found: dict[str, Uncertain] = {}
-    for block_name, block in blocks.items():
-        parameters = {p.name: p for p in block.parameters}
-        for name, spread in given.spreads(block).items():
+    for block, own in entries.items():
+        units = parameter_units(block)
+        for name, entry in own.items():
+            spread = entry.spread_in(units[name])
+            if spread is None:
+                continue
             before = found[name].blocks if name in found else ()
-            entry, own = given.entry(name, block_name), parameters[name]
-            followers = {n: at[n] / spread.value for n, of in following if of == name}
+            followers = {n: at[n] / spread.value for n, of in following.items() if of == name}
             found[name] = Uncertain(
                 name,
-                (*before, block_name),
-                own.unit,
-                own.description,
-                entry.basis if entry else "",
+                (*before, block),
+                units[name],
+                entry.description,
+                entry.basis,
                 spread,
                 followers,
             )

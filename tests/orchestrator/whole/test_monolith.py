@@ -21,6 +21,7 @@ from orchestrator import (
     PortMap,
     System,
     linearise,
+    linearised,
     monolith,
     simulate,
 )
@@ -150,6 +151,17 @@ def test_the_linear_model_solves_algebraic_loops():
     assert looped["b.y"] == pytest.approx(
         gain * alone["a.y"] / (1 - gain**2), rel=tolerances.SETTLED
     )
+
+
+def test_the_linear_model_with_other_values_is_that_of_a_system_that_has_them():
+    system = wheelsets(creep_law="polach", vy=-0.05)
+    with linearised(system, record="*.force_y") as model:
+        found = [model({"b.conicity": taper}) for taper in (0.1, "0.2")] + [model({})]
+        with pytest.raises(OrchestratorError, match="did you mean conicity"):
+            model({"b.conicty": 0.1})
+    for taper, one in zip((0.1, 0.2, 0.05), found, strict=True):
+        alone = linearise(system.with_value("b.conicity", taper), record="*.force_y")
+        assert np.array_equal(one.d, alone.d)
 
 
 def settled_load(start) -> float:

@@ -2,14 +2,34 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import tolerances
-from tracktrain.car.hopper import HOPPER, parameters_of
+from support.contact_tables import cone
+from tracktrain.car.band import critical_band
+from tracktrain.car.hopper import HOPPER, hopper_car, parameters_of
 from tracktrain.car.linear import LinearCar
 from tracktrain.car.linear_fmus import LinearFmus
 from tracktrain.car.modes import critical_speeds, growing
+from tracktrain.car.spreads import uncertain
+from tracktrain.car.wheelsets import with_profiles
+
+GRID = np.linspace(5.0, 45.0, 9)
+BAND = 1e-6
+"""Relative: of differences by 1e-4 of a number."""
+
+
+def band_of(linear, numbers):
+    return critical_band(linear, critical_speeds(linear, GRID)[0], numbers)
+
+
+def alike(found, expected):
+    assert found.low == pytest.approx(expected.low, rel=BAND)
+    assert found.high == pytest.approx(expected.high, rel=BAND)
+    assert found.shares == pytest.approx(expected.shares, abs=BAND)
 
 
 @pytest.fixture(scope="module")
@@ -32,3 +52,64 @@ def test_it_grows_from_the_same_speed_in_the_same_mode(cars):
     assert found.speed == pytest.approx(expected.speed, rel=1e-8)
     assert found.mode == expected.mode
     assert [growing(car, 44.0).mode for car in cars] == [growing(cars[0], 44.0).mode] * 2
+
+
+def test_its_band_is_that_of_the_exact_derivatives():
+    own = {name: parameters_of("loaded")[block] for name, block in HOPPER.blocks.items()}
+    numbers = uncertain("loaded")
+    alike(band_of(LinearFmus(HOPPER, own), numbers), band_of(LinearCar("loaded"), numbers))
+
+
+def test_a_number_that_some_wheelsets_have_otherwise_is_uncertain_in_the_others_alone():
+    (conicity,) = uncertain("loaded", ["conicity"])
+    car, (first, *others) = hopper_car("loaded"), [axle.wheelset for axle in HOPPER.axles]
+    at = critical_speeds(LinearFmus.of(car), GRID)[0]
+
+    def slope(known):
+        own = car.with_values({name: {"conicity": 0.05000001} for name in known})
+        return critical_band(LinearFmus.of(own), at, [conicity]).slopes.get("conicity")
+
+    assert slope([first]) + slope(others) == pytest.approx(slope([]), rel=1e-4)
+    assert slope([first, *others]) is None
+
+
+class EvenLoads(LinearFmus):
+    """As the coned wheelset has it: what a wheel gains of load pushes it nowhere."""
+
+    def _system(self, speed):
+        car = super()._system(speed)
+        links = tuple(c for c in car.connections if ".load_" not in c.target)
+        load = {f"load_{side}": HALF for side in ("left", "right")}
+        return replace(car, connections=links).with_values(
+            {axle.wheelset: load for axle in self.layout.axles}
+        )
+
+
+HALF = parameters_of("loaded")["wheelrail"]["axle_load"] / 2
+FROM_TABLE = {"conicity", "rolling_radius", "half_contact_spacing", "flange_clearance",
+              "poisson_ratio", "rail_transverse_radius", "wheel_transverse_curvature"}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def on_cones():
+    """By taper, the car on a table made of cones, for which an FMU is built."""
+    return {
+        taper: with_profiles(hopper_car("loaded"), cone(taper, flange=None))[0]
+        for taper in (0.05, 0.1)
+    }
+
+
+@pytest.mark.slow
+def test_a_table_made_of_cones_has_the_band_of_cones_without_what_the_table_gives(on_cones):
+    every = [number for number in uncertain("loaded") if "axle_load" not in number.changes(1.0)]
+    left = [number for number in every if number.name not in FROM_TABLE]
+    found = band_of(EvenLoads.of(on_cones[0.05]), every)
+    assert {*found.slopes} == {number.name for number in left} < {n.name for n in every}
+    alike(found, band_of(LinearCar("loaded"), left))
+
+
+@pytest.mark.slow
+def test_steeper_cones_have_a_lower_band(on_cones):
+    numbers = uncertain("loaded")
+    flat, steep = (band_of(LinearFmus.of(on_cones[taper]), numbers) for taper in (0.05, 0.1))
+    assert steep.low < flat.low and steep.centre < flat.centre and steep.high < flat.high

@@ -11,7 +11,7 @@ import pandas as pd
 
 from fmus.wheelrail.contact_table import ContactTable
 
-from ...car.hopper import hopper_car, layout_of
+from ...car.hopper import hopper_car
 from ...car.linear import linear_car
 from ...car.linear_fmus import LinearFmus
 from ...car.linear_motion import LinearMotion
@@ -55,11 +55,7 @@ def by_conicity(cars: Sequence[str], conicities: Sequence[float] = CONICITIES) -
 
 def _on_profiles(car: str, table: ContactTable) -> LinearFmus:
     system, _ = with_profiles(hopper_car(car, track="perfect"), table)
-    layout = layout_of(system)
-    given = {name: component.parameters for name, component in system.components.items()}
-    wheelsets = [axle.wheelset for axle in layout.axles]
-    fmus = {name: Path(str(system.components[name].fmu)) for name in wheelsets}
-    return LinearFmus(layout, given, fmus=fmus)
+    return LinearFmus.of(system)
 
 
 def _critical(linear: LinearMotion) -> dict[str, object]:
