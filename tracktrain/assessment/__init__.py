@@ -6,8 +6,7 @@ table = assess(run.dataset)
 from __future__ import annotations
 
 from pathlib import Path
-
-import pandas as pd
+from typing import TYPE_CHECKING, Any
 
 from orchestrator import Responses, Run
 
@@ -15,6 +14,9 @@ from ..results import responses_of
 from .car import Car
 from .curving import LIMITS, MEASURES
 from .rules import ForeignError, NotApplicableError, Rule, from_si, rules
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 PASSED, EXCEEDED, NO_LIMIT = "passed", "exceeded", "no limit"
 NOT_EXCITED = "not excited"
@@ -38,15 +40,21 @@ def assess(run: Responses | Run | Path | str) -> pd.DataFrame:
     the rule is for; else it is shown for comparison), scope, statistic, filter, window, formula,
     source, verified (whether the limit was read there), quote.
     """
+    import pandas as pd
+
+    return pd.DataFrame(judged(run), columns=COLUMNS).set_index("quantity")
+
+
+def judged(run: Responses | Run | Path | str) -> list[dict[str, Any]]:
+    """The rows of `assess`, each by its columns."""
     try:
         car: Car | NotApplicableError = Car(responses_of(run))
     except NotApplicableError as reason:
         car = reason
-    rows = [row for rule in rules() if (row := _row(car, rule)) is not None]
-    return pd.DataFrame(rows, columns=COLUMNS).set_index("quantity")
+    return [row for rule in rules() if (row := _row(car, rule)) is not None]
 
 
-def _row(car: Car | NotApplicableError, rule: Rule) -> dict[str, object] | None:
+def _row(car: Car | NotApplicableError, rule: Rule) -> dict[str, Any] | None:
     """None where the system has nothing that the rule is about."""
     try:
         found = _found(car, rule)

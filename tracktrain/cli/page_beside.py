@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
 from multiprocessing import get_context
+from multiprocessing.connection import Connection
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -16,46 +15,54 @@ if TYPE_CHECKING:
 
 
 class PageBeside:
-    """A process that is ready to write a page. Leaving the context ends it."""
+    """A process that is ready to write a page. Leaving the context ends it, whatever it does."""
 
     def __init__(self) -> None:
-        self._pool = ProcessPoolExecutor(1, get_context("spawn"), _leave_interrupts)
-        self._pool.submit(_load)
+        spawn = get_context("spawn")
+        self._ours, theirs = spawn.Pipe()
+        self._process = spawn.Process(target=_serve, args=(theirs,))
+        self._process.start()
+        theirs.close()
+        self._asked: tuple[Path, Sequence[Bond] | None] | None = None
 
     def __enter__(self) -> PageBeside:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
-        self._pool.shutdown(wait=kind is None, cancel_futures=True)
+    def __exit__(self, *_: object) -> None:
+        self._process.kill()
+        self._process.join()
+        self._ours.close()
 
-    def begin(self, folder: Path, bonds: Sequence[Bond] | None) -> Future[Path]:
+    def begin(self, folder: Path, bonds: Sequence[Bond] | None) -> None:
         """Begin to write the page of the run in a folder."""
-        return self._pool.submit(_written, folder, bonds)
+        self._asked = folder, bonds
+        with suppress(OSError):  # of a process that ended, which `finish` sees
+            self._ours.send(self._asked)
+
+    def finish(self) -> None:
+        """Wait for the page that was begun, if one was; write it here if that failed there.
+
+        Raises as `write_report`.
+        """
+        if self._asked is None:
+            return
+        try:
+            self._ours.recv()
+        except (EOFError, OSError):
+            _write(*self._asked)
 
 
-def finished(page: Future[Path], folder: Path, bonds: Sequence[Bond] | None) -> Path:
-    """The page that was begun, written here if its process ended; raises as `write_report`."""
-    try:
-        return page.result()
-    except BrokenProcessPool:
-        return _written(folder, bonds)
-
-
-def _leave_interrupts() -> None:
-    """Let the run's own process decide what an interrupt means."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-def _load() -> None:
+def _serve(theirs: Connection) -> None:
+    """Load what a page needs, write the one that is asked for, and answer."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the run's own process decides what it means
     from ..report import write_report  # noqa: F401
 
+    with suppress(Exception), theirs:  # the run's process writes where none answers, and says why
+        _write(*theirs.recv())
+        theirs.send(None)
 
-def _written(folder: Path, bonds: Sequence[Bond] | None) -> Path:
+
+def _write(folder: Path, bonds: Sequence[Bond] | None) -> None:
     from ..report import write_report
 
-    return write_report(folder, folder, bonds)
+    write_report(folder, folder, bonds)

@@ -13,7 +13,7 @@ from typing import Any
 from orchestrator import Provenance, Responses, Run
 
 from ..answer import parts
-from ..assessment import assess
+from ..assessment import judged
 from ..car import curving, slip
 from ..errors import TracktrainError
 from ..events import nadal_rule
@@ -45,7 +45,7 @@ def page(dataset: Responses, bonds: Sequence[Bond] | None = None) -> str:
     if dataset.sizes.get("time", 0) < 2 or not dataset.data_vars:
         raise TracktrainError("the run has no two rows of any signal; there is nothing to report")
     index, blob, width = _data(dataset)
-    table, provenance = assess(dataset), Provenance.of(dataset)
+    table, provenance = judged(dataset), Provenance.of(dataset)
     return rendered(
         "page.html",
         SCRIPTS,
@@ -61,7 +61,7 @@ def page(dataset: Responses, bonds: Sequence[Bond] | None = None) -> str:
         events=content.happened(dataset),
         nadal=nadal_rule(),
         versions=provenance.versions,
-        assessment=table.reset_index().to_dict("records"),
+        assessment=table,
         bonds=bonds,
         rows=dataset.sizes["time"],
         width=width,

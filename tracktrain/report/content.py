@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from fmus.catalogue import parameter_units
 from fmus.describe.parameters import PARAMETER_SETS, Entry, parameter_set
@@ -44,8 +43,10 @@ def is_car(dataset: Responses) -> bool:
     return layout_of(dataset).blocks.keys() <= Provenance.of(dataset).fmus.keys()
 
 
-def facts(dataset: Responses, table: pd.DataFrame, bonds: Sequence[Bond] | None) -> list[Fact]:
-    """The numbers at the top."""
+def facts(
+    dataset: Responses, table: Sequence[Mapping[str, Any]], bonds: Sequence[Bond] | None
+) -> list[Fact]:
+    """The numbers at the top. table: as `tracktrain.assessment.judged` gives it."""
     time = dataset["time"].values
     found = []
     if not is_car(dataset):
@@ -64,12 +65,12 @@ def facts(dataset: Responses, table: pd.DataFrame, bonds: Sequence[Bond] | None)
         way = f"{three_digits(float(distance[-1] - distance[0]))} m of track"
     found.append(Fact("simulated", f"{span:.4g} s", way))
     found.append(Fact("macro step", f"{1e3 * step:.4g} ms", f"{dataset.attrs.get('master', '')}"))
-    judged = table[table["result"].isin([PASSED, EXCEEDED]) & table["applies"]]
-    if len(judged):
-        over = int((judged["result"] == EXCEEDED).sum())
-        worst = judged["share"].idxmax()
-        said = f"{over} exceeded" if over else f"all {len(judged)} kept"
-        most = f"most used: {worst}, {judged['share'].max():.0%}"
+    held = [row for row in table if row["applies"] and row["result"] in (PASSED, EXCEEDED)]
+    if held:
+        over = sum(row["result"] == EXCEEDED for row in held)
+        worst = max(held, key=lambda row: row["share"])
+        said = f"{over} exceeded" if over else f"all {len(held)} kept"
+        most = f"most used: {worst['quantity']}, {worst['share']:.0%}"
         found.append(Fact("limits", said, most, "bad" if over else "good"))
     if bonds:
         residual = f"{max(bond[RELATIVE] for bond in bonds):.1e}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 from dataclasses import dataclass
 from io import BytesIO
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,9 @@ NAMED = 4
 
 ROWS = 500
 """Signals that are listed."""
+
+STYLE: Any = {"svg.fonttype": "none", "svg.hashsalt": "system", "font.family": "sans-serif"}
+"""Of the diagram; salted, so that the same run has the same page."""
 
 
 @dataclass(frozen=True)
@@ -79,9 +83,10 @@ def _picture(boxes: dict[str, str], connections: list[tuple[str, str]]) -> str:
     from orchestrator import diagram
 
     try:
-        with mpl.rc_context({"svg.fonttype": "none", "font.family": "sans-serif"}):
-            content = BytesIO()
-            diagram(boxes, connections).savefig(content, format="svg", transparent=False)
+        with mpl.rc_context(STYLE):
+            content, undated = BytesIO(), {"Date": None}
+            figure = diagram(boxes, connections)
+            figure.savefig(content, format="svg", transparent=False, metadata=undated)
     except CouplingError:
         return ""
     return base64.b64encode(content.getvalue()).decode("ascii")

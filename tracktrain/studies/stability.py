@@ -31,7 +31,8 @@ from ..car.modes import (
     name_of,
     without_critical_speed,
 )
-from ..car.shapes import Line, animate_mode, draw_mode, wire_frame
+from ..car.shape_pictures import animate_mode, draw_mode
+from ..car.shapes import Line, wire_frame
 from ..errors import TracktrainError
 from ..options.car import (
     car_option,

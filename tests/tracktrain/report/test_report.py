@@ -22,6 +22,8 @@ from support.coupled_models import oscillator
 from support.modal import random_data
 from tracktrain.car.shapes import unit_motions, wire_frame
 from tracktrain.cli.main import main
+from tracktrain.cli.page_beside import PageBeside
+from tracktrain.errors import TracktrainError
 from tracktrain.report import page, series
 from tracktrain.report.motion import modes, scene
 from tracktrain.report.packing import envelope, envelope_time, packed
@@ -99,6 +101,27 @@ def test_spectrum_has_the_variance_of_the_signal() -> None:
     frequency, density = series.spectrum(plain(4000)["a.force"].values, 100.0)
     assert np.trapezoid(density, frequency) == pytest.approx(4.5, rel=0.05)
     assert frequency[density.argmax()] == pytest.approx(5.0, abs=0.1)
+
+
+def test_a_straight_line_is_not_in_the_spectrum() -> None:
+    noise = np.random.default_rng(1).normal(size=(2, 4000))
+    line = 1e3 + 5.0 * np.arange(4000)
+    _, density = series.spectrum(noise + line, 100.0)
+    np.testing.assert_allclose(density, series.spectrum(noise, 100.0)[1], rtol=1e-6)
+    assert density.mean() == pytest.approx(2.0 / 100.0, rel=0.1)
+
+
+def test_a_page_is_written_though_the_process_for_it_ended(tmp_path: Path) -> None:
+    with pytest.raises(TracktrainError, match=r"no results\.nc"), PageBeside() as beside:
+        beside.begin(tmp_path, None)
+        beside.finish()
+    run = simulate(oscillator(), duration=0.3, step=0.01, out=tmp_path)
+    with PageBeside() as beside:
+        beside._process.kill()
+        beside._process.join()
+        beside.begin(tmp_path, None)
+        beside.finish()
+    assert (tmp_path / "report.html").read_text() == page(run.signals)
 
 
 def test_page_needs_nothing_from_elsewhere() -> None:

@@ -6,7 +6,7 @@ import json
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -46,9 +46,10 @@ from ...waiting import announced
 from ..as_json import json_option, print_json
 
 if TYPE_CHECKING:
-    from orchestrator import Run, Sink, System
+    from orchestrator import Responses, Run, Sink, System
 
     from ...answer import Part
+    from ...events import Event
     from ..page_beside import PageBeside
 
 PARTS = "answer"
@@ -164,12 +165,8 @@ def command(
         unpacked = folder / FMUS_OF_CHECKPOINT if how["checkpoint"] else None
         system = chosen_file(file, ssd, shape, unpacked)
     if resume is None and kept.again is None:
-        settings = {
-            **how,
-            **coupled,
-            "isolate": isolated(isolate, system),
-            "self_test": trust["self_test"],
-        }
+        settings = {**how, **coupled, "self_test": trust["self_test"]}
+        settings["isolate"] = isolated(isolate, system)
         start = partial(
             orchestrator.simulate, system, out=folder, command=ctx.meta["command"], **settings
         )
@@ -192,10 +189,12 @@ def command(
         if resume is None and kept.again is None and shape.settings:
             stage("comparing")
             lost += _idle(result, system, file, ssd, shape, settings)
+        told = _judged(result, counting)
+        lost += _finish(result, beside)
     if result.completed:
         shutil.rmtree(folder / FMUS_OF_CHECKPOINT, ignore_errors=True)
     form = JSON if as_json else NOTHING if quiet else TEXT
-    _judge(result, counting, folder, lost, form, how["real_time"] is not None)
+    _say(told, result, folder, lost, form, how["real_time"] is not None)
     if not result.completed:
         raise _stopped(result, folder, bool(how["checkpoint"] or resume))
 
@@ -246,27 +245,40 @@ def _beside() -> PageBeside:
 
 
 def _write(result: Run, folder: Path, csv: bool, beside: PageBeside | None) -> list[str]:
-    """Write what is made of results.nc, the page beside it, and say what could not be."""
+    """Write what is made of results.nc, begin the page beside it, and say what could not be."""
     from ... import plots
     from ...results import clear_earlier, read_bonds, write_bonds
-    from ..page_beside import finished
 
     notes: list[str] = []
-    try:
-        notes = clear_earlier(folder)
+    with _spared(result, notes):
+        notes += clear_earlier(folder)
         write_bonds(result, folder)
-        bonds = read_bonds(folder)
-        page = beside.begin(folder, bonds) if beside else None
+        if beside:
+            beside.begin(folder, read_bonds(folder))
         plots.write_pictures(result.signals, folder)
         if csv:
             result.write_csv(folder)
-        if page:
-            finished(page, folder, bonds)
+    return notes
+
+
+def _finish(result: Run, beside: PageBeside | None) -> list[str]:
+    """Wait for the page, and say what it could not be written for."""
+    notes: list[str] = []
+    if beside:
+        with _spared(result, notes):
+            beside.finish()
+    return notes
+
+
+@contextmanager
+def _spared(result: Run, notes: list[str]) -> Iterator[None]:
+    """Note what cannot be written of a run that stopped early: why it stopped is to be said."""
+    try:
+        yield
     except OSError as error:
         if result.completed:
             raise
-        return [*notes, f"not all pictures and tables could be written: {error}"]
-    return notes
+        notes.append(f"not all pictures and tables could be written: {error}")
 
 
 def _idle(
@@ -289,53 +301,65 @@ def _idle(
     return idle(result, system, shape.settings, without, {**same, "self_test": False})
 
 
-def _judge(
-    result: Run, counting: Counting, folder: Path, lost: list[str], form: str, paced: bool
-) -> None:
+@dataclass(frozen=True)
+class Told:
+    """What is said of a run: the rows that count, events, the verdict in parts, and remarks."""
+
+    counted: Responses
+    events: list[Event]
+    parts: list[Part]
+    remarks: list[str]
+
+
+def _judged(result: Run, counting: Counting) -> Told:
+    from ...answer import parts
+    from ...car import curving, slip
+    from ...events import events
+
+    whole, remarks = result.signals, []
+    try:
+        counted = counting.counted(whole)
+    except ValueError as error:
+        counted, remarks = whole, [f"{error}; all of it is counted"]
+    remarks += [*curving.remarks(whole), *slip.remarks(whole)]
+    return Told(counted, events(whole), parts(counted, result.verdict, whole=whole), remarks)
+
+
+def _say(told: Told, result: Run, folder: Path, lost: list[str], form: str, paced: bool) -> None:
     """Say the verdict in parts in the results, and with the statistics at the end, in a form.
 
     paced: whether the run waited for real time.
     """
-    from ...answer import parts
-    from ...car import curving, slip
-    from ...events import events
     from ..events import print_events, write_events
     from ..summary import numbers, print_summary
 
-    try:
-        dataset = counting.counted(result.signals)
-    except ValueError as error:
-        dataset, lost = result.signals, [*lost, f"{error}; all of it is counted"]
-    found = events(result.signals)
-    lost = [*lost, *curving.remarks(result.signals), *slip.remarks(result.signals)]
-    judged = parts(dataset, result.verdict, whole=result.signals)
-    lost = [*lost, *_say(judged, folder)]
-    write_events(found, folder)
+    notes = [*result.notes, *lost, *told.remarks, *_say_in_results(told.parts, folder)]
+    write_events(told.events, folder)
     if form == JSON:
         print_json(
             folder=folder,
             completed=result.completed,
             message=result.message,
             real_time_factor=result.real_time_factor,
-            statistics=numbers(dataset),
-            verdict=judged,
-            events=found,
+            statistics=numbers(told.counted),
+            verdict=told.parts,
+            events=told.events,
             bonds=result.bonds,
-            notes=[*result.notes, *lost],
+            notes=notes,
         )
     if form != TEXT:
         return
     console = Console()
-    print_summary(console, result, dataset, paced)
-    print_events(console, found)
-    for note in [*result.notes, *lost]:
+    print_summary(console, result, told.counted, paced)
+    print_events(console, told.events)
+    for note in notes:
         console.print(f"note: {note}", style="dim", markup=False, highlight=False)
     console.print(f"results.nc and pictures are in {folder}", markup=False, highlight=False)
-    for part in judged:
+    for part in told.parts:
         console.print(str(part), style=STYLES[part.level.value], markup=False, highlight=False)
 
 
-def _say(judged: list[Part], folder: Path) -> list[str]:
+def _say_in_results(judged: list[Part], folder: Path) -> list[str]:
     """Have results.nc say the verdict in parts, and say what hinders."""
     try:
         said = "\n".join(map(str, judged))
