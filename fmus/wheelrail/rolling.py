@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import fields
-from functools import reduce
+from functools import cache, reduce
 from typing import Any
 
 import casadi as ca
@@ -64,6 +64,7 @@ def _stiffness(wheels: list[Contact], stiffnesses: Any) -> Any:
     return ca.fmax(sum(stiffnesses[i] * w.leverage**2 for i, w in enumerate(wheels)), 1e-9)
 
 
+@cache
 def common_creepage(law: Law, kind: Any, count: int = 2) -> ca.Function:
     """(contacts, grips, wanted) -> the creepage that all contacts have in common.
 
@@ -89,6 +90,7 @@ def common_creepage(law: Law, kind: Any, count: int = 2) -> ca.Function:
     )
 
 
+@cache
 def differentiable(law: Law, kind: Any, count: int = 2) -> ca.Function:
     """The same with its derivatives.
 
@@ -98,6 +100,7 @@ def differentiable(law: Law, kind: Any, count: int = 2) -> ca.Function:
     return _improved(law, kind, common_creepage(law, kind, count), count)
 
 
+@cache
 def at_rest(law: Law, kind: Any, count: int = 2) -> ca.Function:
     """(contacts, grips, wanted) -> the common creepage near straight running with equal loads."""
     return _improved(law, kind, ca.Function("none", _symbols(ca.MX, count), [ca.MX(0)]), count)
@@ -114,6 +117,7 @@ def _improved(law: Law, kind: Any, guess: ca.Function, count: int) -> ca.Functio
     return ca.Function("improved", symbols, [better])
 
 
+@cache
 def net_force(law: Law, kind: Any, count: int = 2) -> ca.Function:
     """(common creepage, contacts, grips) -> sum of the longitudinal forces [N], at the nominal
     radius."""
