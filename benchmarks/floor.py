@@ -22,8 +22,8 @@ from orchestrator.masters.loop.leads import (
     KNOWN_END,
     LINE,
     Lead,
-    best_lead,
     leads_of,
+    seed_leads,
 )
 from orchestrator.masters.loop.tables import early_columns
 from orchestrator.masters.loop.tangents import Call, gather
@@ -72,11 +72,7 @@ class _Text:
         self._coupling = couple(self._plan)
         self._targets, seeds = gather(self._plan, self._coupling)
         self._leads = leads_of(self._plan, self._coupling, self._targets)
-        readers = {c.seed_group: n for n, t in enumerate(self._targets) for c in t.calls}
-        self._seeds = [
-            [best_lead(self._plan, self._coupling, link, readers[n]) for link in links]
-            for n, links in enumerate(seeds)
-        ]
+        self._seeds = seed_leads(self._plan, self._coupling, self._targets, seeds)
         used = {lead.column for group in self._groups() for lead in group if _is_end(lead)}
         used |= {
             self._plan.column_of[n, tangent.output]

@@ -28,10 +28,8 @@ from .crew import Crew, alone, complete
 from .leads import (
     KNOWN_END,
     Ends,
-    Lead,
     Leads,
     Led,
-    best_lead,
     end_table,
     extrapolate,
     fill_finals,
@@ -42,6 +40,7 @@ from .leads import (
     lead_tables,
     leads_of,
     led_alone,
+    seed_leads,
 )
 from .packets import Feed, feed, fill_inputs, send, send_rates
 from .record import Record, at
@@ -57,16 +56,7 @@ def prepare(plan: Plan, slaves: Sequence[Slave], coupling: Coupling) -> Prepared
     groups = leads_of(plan, coupling, targets)
     straight = led_alone(groups, coupling)
     led = sorted(dict.fromkeys(led), key=lambda link: (link.target, link not in straight))
-    readers = {
-        call.seed_group: number
-        for number, target in enumerate(targets)
-        for call in target.calls
-        if call.seed_group >= 0
-    }
-    seed_groups: list[list[Lead]] = [
-        [best_lead(plan, coupling, link, readers[n]) for link in links]
-        for n, links in enumerate(seed_links)
-    ]
+    seed_groups = seed_leads(plan, coupling, targets, seed_links)
     first_slot = starts([len(t.links) + len(t.partials) for t in targets])
     ends = end_table(plan, coupling, targets, groups, first_slot, led)
     used = {
@@ -78,14 +68,15 @@ def prepare(plan: Plan, slaves: Sequence[Slave], coupling: Coupling) -> Prepared
         [plan.descriptions[i].variables[name].reference for name in target.partials]
         for i, target in enumerate(targets)
     ]
+    inputs = feed(plan, [target.links for target in targets], references)
     tables = (
         table,
-        feed(plan, [target.links for target in targets], references),
+        inputs,
         refresh_table(plan, table),
         coupling.degree,
-        tangent_table(plan, targets, first_slot),
-        *lead_tables(plan, groups, first_slot),
-        *lead_tables(plan, seed_groups)[:2],
+        tangent_table(plan, targets, inputs.packets),
+        *lead_tables(plan, groups, coupling.degree, first_slot),
+        *lead_tables(plan, seed_groups, coupling.degree)[:2],
         ends,
         alone(coupling.order),
     )

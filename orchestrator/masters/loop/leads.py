@@ -20,8 +20,9 @@ from .packets import Feed, Packets, packets
 from .record import Record, at
 from .tangents import Target
 
-KNOWN_END, DERIVED, DECLARED_RATE, EXTRAPOLATED = range(4)
-"""Where a speed comes from: both ends, a tangent's source, a declared rate, the last values."""
+KNOWN_END, DERIVED, DECLARED_RATE, EXTRAPOLATED, BENT_RATE = range(5)
+"""Where a speed comes from: both ends, a tangent's source, a declared rate, the last values, a
+declared rate that has one itself."""
 
 LINE, PARABOLA, MEAN, END = range(4)
 """What an FMU is given of its input: the line with the parabola's mean, the parabola, the mean as a
@@ -31,20 +32,19 @@ constant, or the known end as a constant."""
 class Leads(NamedTuple):
     """Inputs by group: value + speed t + bend t^2 / 2, with t [s] from the step's beginning.
 
-    Speed and bend are `gain` times what `kind` says of the source's `column`. known, derived: where
-    the group's first leads by a known end stop, and those by a tangent's source behind them; these
-    have no bend. declared: where those by a declared rate behind them stop. rate: the column of a
-    declared rate times `rate_gain`, or the entry of a tangent's results; second: the column of its
-    own declared rate times `second_gain`, or -1. every: macro steps between two new values of the
-    column. slot: the input's place in the feed. constant: of those that are constant over a step,
-    by group.
+    Speed and bend are `gain` times what is known of the source's `column`. A group is in the order
+    of the kinds: known, derived, declared and extrapolated are where those of the first four stop.
+    rate: the column of a declared rate times `rate_gain`, or the entry of a tangent's results;
+    second: the column of its own declared rate times `second_gain`, or -1. every: macro steps
+    between two new values of the column. slot: the input's place in the feed. constant: of those
+    that are constant over a step, by group.
     """
 
     first: Ints
     known: Ints
     derived: Ints
     declared: Ints
-    kind: Ints
+    extrapolated: Ints
     column: Ints
     gain: Floats
     rate: Ints
@@ -63,14 +63,14 @@ class Leads(NamedTuple):
 class Led(NamedTuple):
     """Numbers to send by group, and the lead that each follows from.
 
-    copied: where the group's first numbers begin that are to be copied: none, where the group's
-    numbers are the speeds of all its leads, which the FMU then reads where they are found. plain:
-    where those stop that are speeds of leads without a bend.
+    plain: where the group's first numbers stop that are the speeds of its leads in turn. copied:
+    where they begin that are to be copied: there, too, where the group has no others; those the FMU
+    reads where they are found.
     """
 
     packets: Packets
-    copied: Ints
     plain: Ints
+    copied: Ints
     lead: Ints
 
 
@@ -78,7 +78,7 @@ class Ends(NamedTuple):
     """Inputs whose value at the end of each step is kept, by slave.
 
     lines: where the slave's first ones stop that are led there along a line or parabola alone.
-    lead: or -1. Terms: a partial's slot times a column's change.
+    lead: or -1. Terms by slave: to an end is added a partial's slot times a column's change.
     """
 
     first: Ints
@@ -86,6 +86,7 @@ class Ends(NamedTuple):
     slot: Ints
     lead: Ints
     first_term: Ints
+    term_end: Ints
     term_slot: Ints
     term_column: Ints
 
@@ -136,12 +137,30 @@ def best_lead(plan: Plan, coupling: Coupling, link: Link, reader: int) -> Lead:
     rate = plan.column_of[link.source, name]
     lead = Lead(link, DECLARED_RATE, column, shape, rate, factor)
     for name, more in second:
+        lead.kind = BENT_RATE
         lead.second, lead.second_gain = plan.column_of[link.source, name], factor * more
     return lead
 
 
+def seed_leads(
+    plan: Plan, coupling: Coupling, targets: Sequence[Target], seeds: Sequence[Sequence[Link]]
+) -> list[list[Lead]]:
+    """Leads of the inputs whose speeds are seeds of tangents; the calls take them in this order."""
+    found: list[list[Lead]] = [[] for _ in seeds]
+    for reader, target in enumerate(targets):
+        for call in target.calls:
+            if call.seed_group >= 0:
+                leads = [best_lead(plan, coupling, link, reader) for link in call.knowns]
+                leads.sort(key=lambda lead: lead.kind)
+                for lead in leads:
+                    lead.shape = LINE  # whatever the source takes of its inputs
+                call.knowns = [lead.link for lead in leads]
+                found[call.seed_group] = leads
+    return found
+
+
 def lead_tables(
-    plan: Plan, groups: Sequence[Sequence[Lead]], first_slot: Ints | None = None
+    plan: Plan, groups: Sequence[Sequence[Lead]], degree: int, first_slot: Ints | None = None
 ) -> tuple[Leads, Led, Led]:
     """Tables of groups of leads, of their input derivatives, and of the inputs set at the end.
 
@@ -154,12 +173,9 @@ def lead_tables(
         at = {k: n for i in range(len(plan.names)) for n, k in enumerate(plan.links_of(i))}
         slots = [int(first_slot[lead.link.target]) + at[lead.link] for lead in flat]
     first = starts([len(group) for group in groups])
-    known = first[:-1] + ints(_leading(group, KNOWN_END) for group in groups)
-    derived = known + ints(
-        _leading(g[n:], DERIVED) for g, n in zip(groups, known - first[:-1], strict=True)
-    )
-    declared = derived + ints(
-        _leading(g[n:], DECLARED_RATE) for g, n in zip(groups, derived - first[:-1], strict=True)
+    known, derived, declared, extrapolated = (
+        first[:-1] + ints(sum(lead.kind <= kind for lead in group) for group in groups)
+        for kind in (KNOWN_END, DERIVED, DECLARED_RATE, EXTRAPOLATED)
     )
     constants = [[n for lead, n in g if lead.shape in (MEAN, END)] for g in _numbered(groups)]
     leads = Leads(
@@ -167,7 +183,7 @@ def lead_tables(
         known=known,
         derived=derived,
         declared=declared,
-        kind=ints(lead.kind for lead in flat),
+        extrapolated=extrapolated,
         column=ints(lead.column for lead in flat),
         gain=np.array([lead.link.gain for lead in flat], float),
         rate=ints(lead.rate for lead in flat),
@@ -196,12 +212,7 @@ def lead_tables(
         ]
         for numbered in _numbered(groups)
     ]
-    return leads, _led(rates, leads), _led(finals)
-
-
-def _leading(group: Sequence[Lead], kind: int) -> int:
-    """How many leads of a kind a group begins with."""
-    return next((n for n, lead in enumerate(group) if lead.kind != kind), len(group))
+    return leads, _led(rates, leads, degree), _led(finals)
 
 
 def _numbered(groups: Sequence[Sequence[Lead]]) -> list[list[tuple[Lead, int]]]:
@@ -212,24 +223,34 @@ def _numbered(groups: Sequence[Sequence[Lead]]) -> list[list[tuple[Lead, int]]]:
     ]
 
 
-def _led(groups: Sequence[Sequence[tuple[Lead, int, int]]], leads: Leads | None = None) -> Led:
+def _led(
+    groups: Sequence[Sequence[tuple[Lead, int, int]]], leads: Leads | None = None, degree: int = 0
+) -> Led:
+    """Numbers to send by group: a lead, its place and the order of the derivative.
+
+    leads: where these are its speeds; degree: of the polynomial that extrapolates.
+    """
     references = [[lead.link.input.reference for lead, _, _ in group] for group in groups]
     flat = [entry for group in groups for entry in group]
     made = packets(references, [order for _, _, order in flat])
-    plain = [
-        next(
-            (n for n, (lead, _, _) in enumerate(g) if lead.kind not in (KNOWN_END, DERIVED)), len(g)
-        )
-        for g in groups
-    ]
-    copied = made.first[:-1].copy()
-    if leads is not None:
-        for n, group in enumerate(groups):
-            own = range(leads.first[n], leads.first[n + 1])
-            if plain[n] == len(group) and [place for _, place, _ in group] == [*own]:
-                made.value_address[n] = addresses(leads.speed, [own.start])[0]
-                copied[n] += len(group)
-    return Led(made, copied, made.first[:-1] + ints(plain), ints(n for _, n, _ in flat))
+    plain, copied = made.first[:-1].copy(), made.first[:-1].copy()
+    for n, group in enumerate(groups):
+        if leads is None:
+            continue
+        begin = int(leads.first[n])
+        own = [
+            place == begin + m and order == 1 and not _bends(lead, degree)
+            for m, (lead, place, order) in enumerate(group)
+        ]
+        plain[n] += own.index(False) if False in own else len(own)
+        if all(own) and own:
+            made.value_address[n] = addresses(leads.speed, [begin])[0]
+            copied[n] = plain[n]
+    return Led(made, plain, copied, ints(n for _, n, _ in flat))
+
+
+def _bends(lead: Lead, degree: int) -> bool:
+    return lead.kind == BENT_RATE or (lead.kind == EXTRAPOLATED and degree > 1)
 
 
 def end_table(
@@ -243,23 +264,24 @@ def end_table(
     """The table of the links `led`, which are sorted by target, with `led_alone` first."""
     numbers = {lead.link: n for numbered in _numbered(groups) for lead, n in numbered}
     alone = led_alone(groups, coupling)
-    slot, lead, sizes, term_slot, term_column = [], [], [], [], []
-    count, lines = [0] * len(targets), [0] * len(targets)
-    for link in led:
+    slot, lead, term_end, term_slot, term_column = [], [], [], [], []
+    count, lines, sizes = [0] * len(targets), [0] * len(targets), [0] * len(targets)
+    for number, link in enumerate(led):
         target, begin = targets[link.target], int(first_slot[link.target])
         count[link.target] += 1
         lines[link.target] += link in alone
         slot.append(begin + target.links.index(link))
         lead.append(numbers.get(link, -1))
         terms = coupling.tangents[link] if coupling.ways[link] is Way.TANGENT else []
-        sizes.append(len(terms))
+        sizes[link.target] += len(terms)
         for tangent in terms:
+            term_end.append(number)
             term_slot.append(begin + len(target.links) + target.partials.index(tangent.partial))
             term_column.append(plan.column_of[link.target, tangent.output])
     first = starts(count)
     return Ends(
         *(first, first[:-1] + ints(lines), ints(slot), ints(lead)),
-        *(starts(sizes), ints(term_slot), ints(term_column)),
+        *(starts(sizes), ints(term_end), ints(term_slot), ints(term_column)),
     )
 
 
@@ -298,42 +320,59 @@ def find_leads(
     result: Floats,
 ) -> None:  # fmt: skip
     """Speeds and bends of a group over the `window` macro steps that end at row k + 1."""
-    rows, length = record.rows, window * step
+    rows, end = record.rows, at(record, k + 1)
+    start, length = end - window, window * step
     columns, gains, speeds = leads.column, leads.gain, leads.speed
-    start, now, end = at(record, k + 1 - window), at(record, k), at(record, k + 1)
-    known, derived = leads.known[group], leads.derived[group]
+    known, derived, last = leads.known[group], leads.derived[group], leads.first[group + 1]
     for n in range(leads.first[group], known):
         column = columns[n]
         speeds[n] = gains[n] * ((rows[end, column] - rows[start, column]) / length)
     for n in range(known, derived):
         speeds[n] = gains[n] * result[leads.rate[n]]
-    rest = derived
-    if window == 1:
-        rest, bends = leads.declared[group], leads.bend
-        for n in range(derived, rest):
-            speeds[n] = gains[n] * (leads.rate_gain[n] * rows[now, leads.rate[n]])
-            bend = 0.0
+    if derived < last:
+        if window == 1:
+            predict(leads, group, degree, record, k, step)
+        else:
+            predict_far(leads, group, window, degree, record, k, step)
+
+
+@in_c
+def predict(leads: Leads, group: int, degree: int, record: Record, k: int, step: float) -> None:
+    """Speeds and bends of a group's leads that the end of the step is not known of."""
+    rows, row, rates, gains = record.rows, at(record, k), leads.rate, leads.gain
+    speeds, bends, factors = leads.speed, leads.bend, leads.rate_gain
+    declared, extrapolated = leads.declared[group], leads.extrapolated[group]
+    for n in range(leads.derived[group], declared):
+        speeds[n] = gains[n] * (factors[n] * rows[row, rates[n]])
+    line = degree == 1 and k > 0
+    for n in range(declared, extrapolated):
+        column = leads.column[n]
+        if line and leads.every[n] == 1:  # by far the most
+            speeds[n] = gains[n] * ((rows[row, column] - rows[row - 1, column]) / step)
+        else:
+            speed, bend = extrapolate(record, column, k, leads.every[n], degree, step)
+            speeds[n], bends[n] = gains[n] * speed, gains[n] * bend
+    for n in range(extrapolated, leads.first[group + 1]):
+        speeds[n] = gains[n] * (factors[n] * rows[row, rates[n]])
+        bends[n] = gains[n] * (leads.second_gain[n] * rows[row, leads.second[n]])
+
+
+@in_c
+def predict_far(
+    leads: Leads, group: int, window: int, degree: int, record: Record, k: int, step: float
+) -> None:
+    """The same over several macro steps: from the value at the start to the predicted end."""
+    rows, now, start = record.rows, at(record, k), at(record, k + 1 - window)
+    for n in range(leads.derived[group], leads.first[group + 1]):
+        column, bend = leads.column[n], 0.0
+        if leads.declared[group] <= n and n < leads.extrapolated[group]:
+            speed, bend = extrapolate(record, column, k, leads.every[n], degree, step)
+        else:
+            speed = leads.rate_gain[n] * rows[now, leads.rate[n]]
             if leads.second[n] >= 0:
                 bend = leads.second_gain[n] * rows[now, leads.second[n]]
-            bends[n] = gains[n] * bend
-    for n in range(rest, leads.first[group + 1]):
-        kind, column = leads.kind[n], columns[n]
-        speed, bend = 0.0, 0.0
-        if kind == KNOWN_END:
-            speed = (rows[end, column] - rows[start, column]) / length
-        elif kind == DERIVED:
-            speed = result[leads.rate[n]]
-        else:
-            if kind == EXTRAPOLATED:
-                speed, bend = extrapolate(record, column, k, leads.every[n], degree, step)
-            else:
-                speed = leads.rate_gain[n] * rows[now, leads.rate[n]]
-                if leads.second[n] >= 0:
-                    bend = leads.second_gain[n] * rows[now, leads.second[n]]
-            if window > 1:  # from the value at the start straight to the end that this predicts
-                reached = rows[now, column] + step * (speed + 0.5 * step * bend)
-                speed, bend = (reached - rows[start, column]) / length, 0.0
-        speeds[n], leads.bend[n] = gains[n] * speed, gains[n] * bend
+        reached = rows[now, column] + step * (speed + 0.5 * step * bend)
+        leads.speed[n] = leads.gain[n] * ((reached - rows[start, column]) / (window * step))
 
 
 @in_c
@@ -372,18 +411,18 @@ def lead_constants(leads: Leads, group: int, inputs: Feed, length: float) -> Non
 @in_c
 def fill_rates(rates: Led, group: int, leads: Leads, length: float) -> None:
     """Input derivatives of a group: a line has the mean of the parabola over the step."""
-    first, value, third = rates.packets.first, rates.packets.value, length / 3.0
-    speed, of = leads.speed, rates.lead
-    for n in range(rates.copied[group], rates.plain[group]):
-        value[n] = speed[of[n]]
-    for n in range(rates.plain[group], first[group + 1]):
-        lead = of[n]
+    first, value, plain = rates.packets.first, rates.packets.value, rates.plain[group]
+    speed, ahead = leads.speed, leads.first[group] - first[group]
+    for n in range(rates.copied[group], plain):
+        value[n] = speed[ahead + n]
+    for n in range(plain, first[group + 1]):
+        lead = rates.lead[n]
         if rates.packets.order[n] == 2:
             value[n] = leads.bend[lead]
         elif leads.shape[lead] == PARABOLA:
             value[n] = speed[lead]
         else:
-            value[n] = speed[lead] + third * leads.bend[lead]
+            value[n] = speed[lead] + length / 3.0 * leads.bend[lead]
 
 
 @in_c
@@ -407,10 +446,10 @@ def keep_ends(
         lead = of[n]
         kept[before, n] = values[slots[n]] + length * (speed[lead] + half * bend[lead])
     for n in range(ends.lines[slave], ends.first[slave + 1]):
-        lead = of[n]
-        value = values[slots[n]] if lead < 0 else led_to(inputs, leads, lead, length)
-        for m in range(ends.first_term[n], ends.first_term[n + 1]):
-            column = ends.term_column[m]
-            moved = rows[after, column] - rows[before, column]
-            value += values[ends.term_slot[m]] * moved
-        kept[before, n] = value
+        kept[before, n] = values[slots[n]]
+        if of[n] >= 0:
+            kept[before, n] = led_to(inputs, leads, of[n], length)
+    for m in range(ends.first_term[slave], ends.first_term[slave + 1]):
+        column = ends.term_column[m]
+        moved = rows[after, column] - rows[before, column]
+        kept[before, ends.term_end[m]] += values[ends.term_slot[m]] * moved

@@ -15,13 +15,15 @@ import numpy as np
 from ...plan.plan import Link, Plan
 from ..coupling import Coupling, Way, drives, uncovered
 from .arrays import Floats, Ints, References, addresses, ints, starts
+from .packets import Packets
 
 
 class Tangents(NamedTuple):
     """Directional derivatives to ask for before a slave steps, and where they go.
 
     By target slave. Seeds are constants, or the speeds of `seed_group` where that is not negative.
-    Then the target's input slots get `gain` times an entry of the results.
+    Results go right into the target's input slots where these take them as they are; else the slots
+    get `gain` times an entry of the results.
     """
 
     first: Ints
@@ -43,6 +45,10 @@ class Tangents(NamedTuple):
     gain: Floats
 
 
+Fill = tuple[int, int, float]
+"""An input's place, the entry of the results that it takes, and the gain."""
+
+
 @dataclass
 class Call:
     """One directional derivative: outputs of a source along a seed of its inputs."""
@@ -57,12 +63,12 @@ class Call:
 
 @dataclass
 class Target:
-    """What is gathered for one slave: `fills` are partial, entry of the results, gain."""
+    """What is gathered for one slave: `fills` have the places of its partials."""
 
     links: list[Link]
     partials: list[str] = field(default_factory=list)
     calls: list[Call] = field(default_factory=list)
-    fills: list[tuple[int, int, float]] = field(default_factory=list)
+    fills: list[Fill] = field(default_factory=list)
     rate_entry: dict[Link, int] = field(default_factory=dict)
 
 
@@ -126,8 +132,8 @@ def _assign_results(coupling: Coupling, target: Target) -> None:
                     target.fills.append((place, entry[link.output.name], link.gain))
 
 
-def tangent_table(plan: Plan, targets: Sequence[Target], first_slot: Ints) -> Tangents:
-    """The table; `first_slot` is where each slave's inputs begin."""
+def tangent_table(plan: Plan, targets: Sequence[Target], inputs: Packets) -> Tangents:
+    """The table; `inputs` are what each slave is sent."""
     calls = [call for target in targets for call in target.calls]
     unknown_count = [len(call.unknowns) for call in calls]
     known_count = [len(call.knowns) for call in calls]
@@ -138,14 +144,23 @@ def tangent_table(plan: Plan, targets: Sequence[Target], first_slot: Ints) -> Ta
     known = np.array([k.input.reference for call in calls for k in call.knowns], np.uint32)
     seed = np.array([value for call in calls for value in call.seed], float)
     result = np.zeros(sum(unknown_count))
-    fills = [
-        (int(first_slot[i]) + len(target.links) + place, entry, gain)
-        for i, target in enumerate(targets)
-        for place, entry, gain in target.fills
-    ]
+    result_address = addresses(result, [call.first_result for call in calls])
+    first = starts([len(target.calls) for target in targets])
+    fills: list[list[Fill]] = []
+    for i, target in enumerate(targets):
+        begin = int(inputs.first[i]) + len(target.links)
+        fills.append([(begin + place, entry, gain) for place, entry, gain in target.fills])
+        for number, call in enumerate(target.calls, start=first[i]):
+            entries = range(call.first_result, call.first_result + len(call.unknowns))
+            own = [fill for fill in fills[i] if fill[1] in entries]
+            slot = min((slot for slot, _, _ in own), default=0)
+            if own == [(slot + n, entry, 1.0) for n, entry in enumerate(entries)]:
+                result_address[number] = addresses(inputs.value, [slot])[0]
+                fills[i] = [fill for fill in fills[i] if fill not in own]
     known_first = starts(known_count)[:-1]
+    flat = [fill for own in fills for fill in own]
     return Tangents(
-        first=starts([len(target.calls) for target in targets]),
+        first=first,
         source=ints(call.source for call in calls),
         unknown=unknown,
         unknown_count=ints(unknown_count),
@@ -157,9 +172,9 @@ def tangent_table(plan: Plan, targets: Sequence[Target], first_slot: Ints) -> Ta
         seed_address=addresses(seed, known_first),
         seed_group=ints(call.seed_group for call in calls),
         result=result,
-        result_address=addresses(result, [call.first_result for call in calls]),
-        first_slot=starts([len(target.fills) for target in targets]),
-        slot=ints(slot for slot, _, _ in fills),
-        entry=ints(entry for _, entry, _ in fills),
-        gain=np.array([gain for _, _, gain in fills], float),
+        result_address=result_address,
+        first_slot=starts([len(own) for own in fills]),
+        slot=ints(slot for slot, _, _ in flat),
+        entry=ints(entry for _, entry, _ in flat),
+        gain=np.array([gain for _, _, gain in flat], float),
     )
