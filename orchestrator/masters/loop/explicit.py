@@ -25,21 +25,18 @@ from ..base import Prepared
 from ..coupling import Coupling, Way
 from .arrays import Ints, starts
 from .crew import Crew, alone, complete
+from .ends import Ends, end_table, keep_ends, led_alone
 from .leads import (
     KNOWN_END,
-    Ends,
     Leads,
     Led,
-    end_table,
     extrapolate,
     fill_finals,
     fill_rates,
     find_leads,
-    keep_ends,
     lead_constants,
     lead_tables,
     leads_of,
-    led_alone,
     seed_leads,
 )
 from .packets import Feed, feed, fill_inputs, send, send_rates

@@ -102,6 +102,17 @@ def test_without_derivatives_of_the_damper_the_mass_is_coupled_as_well_as_it_all
     assert any("damper steps first, with damper.v extrapolated" in note for note in run.notes)
 
 
+def test_tangent_of_a_source_without_input_derivatives_moves_with_its_other_inputs():
+    """What the damper takes of its inputs has no part in how fast they change."""
+    plain = damped_mass(2.0, slope=0.5)
+    runs = [
+        simulate(system, duration=0.5, step=0.01)
+        for system in (plain, plain.with_fmu("damper", damper(2.0, interpolates_inputs=False)))
+    ]
+    assert "1 of 3 inputs follow a tangent of their source" in runs[1].notes
+    np.testing.assert_array_equal(runs[0].record, runs[1].record)
+
+
 def test_units_are_converted_in_values_rates_and_tangents():
     c, foot = 50.0, 0.3048
     in_feet = damper(
