@@ -46,6 +46,11 @@ class Wheelset:
         return self.right is None and self.right_radius in (None, self.rolling_radius)
 
     @property
+    def nominal_radius(self) -> float:
+        """Mean of the two rolling radii [m]."""
+        return (self.rolling_radius + self.mirrored.rolling_radius) / 2
+
+    @property
     def mirrored(self) -> Wheelset:
         """With left and right exchanged."""
         if self.alike:
@@ -57,7 +62,13 @@ class Wheelset:
     @cached_property
     def wheels(self) -> tuple[Wheel, Wheel]:
         left, right = (
-            Wheel(side.left.surface, side.rolling_radius, side.tape_spacing / 2, side.left.name)
+            Wheel(
+                side.left.surface,
+                side.rolling_radius,
+                side.tape_spacing / 2,
+                side.left.name,
+                self.nominal_radius,
+            )
             for side in (self, self.mirrored)
         )
         return left, right
@@ -122,8 +133,8 @@ class Jump:
 class ContactGeometry:
     """The contacts over the wheelset's shift to the left [m], rising.
 
-    roll: of the wheelset, positive lifts its left side [rad]; lift: of its middle [m], 0 where
-    its tape circles would stand on the rails' tops. second: the nearest other place where the
+    roll: of the wheelset, positive lifts its left side [rad]; lift: of its middle [m], 0 at
+    its nominal radius over the rails' tops. second: the nearest other place where the
     wheel comes near its rail, with its gap. yaw: [rad], to the left.
     """
 

@@ -1,4 +1,4 @@
-"""The contact geometry of one wheel on its rail as the table that a wheelset block holds."""
+"""The contact geometry of a wheelset on its rails as the table that a wheelset block holds."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import ParameterError
 from ..wheelrail.contact_table import ContactTable, Patch
-from .geometry import ContactGeometry, Jump, Track, Wheelset, contact_geometry
+from .geometry import SIDES, ContactGeometry, Jump, Track, Wheelset, contact_geometry
 from .profile import Array
 from .trace import Points
 
@@ -32,24 +32,47 @@ the 0.1 mm by which wheel and rail approach each other under a wheel load."""
 YAW_NODES = 3
 """Of a table over yaw, with that of none: contacts are even in yaw, and smooth."""
 
+Begins = tuple[float, Jump | None] | None
+"""What `flange_begins` finds."""
+
 
 def contact_table(
     wheelset: Wheelset, track: Track, climb: float = CLIMB, yaw: float = 0.0
 ) -> ContactTable:
-    """The table of a wheelset and a track with both sides alike.
+    """The table of a wheelset on a track; of both sides where they are not alike.
 
-    The tread ends where the flange touches, which is then followed for `climb` [m]; a wheel
-    without a flange has its tread alone, to `WITHOUT_FLANGE` on both sides. yaw: largest one [rad]
-    of a table over yaw, 0 for one without. Raises ParameterError for sides that differ, and for
-    profiles whose flange does not touch.
+    The tread ends where the flange touches, which is then followed for `climb` [m]; wheels
+    without flanges have their treads alone, to `WITHOUT_FLANGE` on both sides. yaw: largest one
+    [rad] of a table over yaw, 0 for one without. Raises ParameterError for profiles whose flange
+    does not touch, and for a flange on one side alone.
     """
+    sides = [(wheelset, track)]
     if not (wheelset.alike and track.alike):
+        sides.append((wheelset.mirrored, track.mirrored))
+    begins = [flange_begins(*side) for side in sides]
+    if (begins[0] is None) != (begins[-1] is None):
         raise ParameterError(
-            "a table holds a wheel and a rail that are alike on both sides; give one wheel, one "
-            "rail and one inclination"
+            "one wheel has a flange and the other has none; give both one, or neither"
         )
-    begins = flange_begins(wheelset, track)
-    straight = _Solved.found(wheelset, track, begins, *_spaced(begins, climb))
+    found = [
+        _of_left(*side, own, begins[-1 - number], climb, yaw)
+        for number, (side, own) in enumerate(zip(sides, begins, strict=True))
+    ]
+    if len(found) == 1:
+        return found[0]
+    left, right = found
+    said = [line for line in left.said if line in right.said]
+    for side, table in zip(SIDES, found, strict=True):
+        said += [f"{side}: {line}" for line in table.said if line not in said]
+    name = f"{left.name}, right {right.name}"
+    return replace(left, name=name, said=tuple(said), right=right)
+
+
+def _of_left(
+    wheelset: Wheelset, track: Track, begins: Begins, opposite: Begins, climb: float, yaw: float
+) -> ContactTable:
+    """The table of the left wheel; begins, opposite: what `flange_begins` has of both."""
+    straight = _Solved.found(wheelset, track, begins, *_spaced(begins, opposite, climb))
     angles = np.linspace(0.0, yaw, YAW_NODES)[1:] if yaw else ()
     nodes = [straight, *(straight.yawed(float(angle)) for angle in angles)]
     jumping = next((node for node in nodes if node.rounded), None)
@@ -90,7 +113,7 @@ class _Solved:
         cls,
         wheelset: Wheelset,
         track: Track,
-        begins: tuple[float, Jump | None] | None,
+        begins: Begins,
         over: Array,
         climb: Array,
         yaw: float = 0.0,
@@ -128,24 +151,23 @@ class _Solved:
             climbed = self.flange.shift - self.clearance
             flange = _patch(self.flange, points, climbed, resting)
         name = f"{wheelset.left.name} on {track.left.name}"
-        return ContactTable(name, wheelset.rolling_radius, tread, flange)
+        return ContactTable(name, wheelset.nominal_radius, tread, flange)
 
 
-def _spaced(begins: tuple[float, Jump | None] | None, climb: float) -> tuple[Array, Array]:
-    """Shifts of the tread's nodes, and climbs of the flange's [m]."""
-    if begins is None:
+def _spaced(begins: Begins, opposite: Begins, climb: float) -> tuple[Array, Array]:
+    """Shifts of the tread's nodes, to where the opposite flange climbs, and climbs of the flange's
+    [m]."""
+    if begins is None or opposite is None:
         count = round(WITHOUT_FLANGE / NODE)
         return NODE * np.arange(-count, count + 1), np.zeros(0)
     clearance = begins[0]
     spacing = clearance / np.ceil(clearance / NODE)
-    back, on = (round(float(length / spacing)) for length in (clearance + climb, climb))
+    back, on = (round(float(length / spacing)) for length in (opposite[0] + climb, climb))
     over = spacing * np.arange(-back, round(float(clearance / spacing)) + 1)
     return over, spacing * np.arange(on + 1)
 
 
-def flange_begins(
-    wheelset: Wheelset, track: Track, yaw: float = 0.0
-) -> tuple[float, Jump | None] | None:
+def flange_begins(wheelset: Wheelset, track: Track, yaw: float = 0.0) -> Begins:
     """Shift to the left [m] at which the left flange touches, and the jump of the contact there.
 
     Where the contact wanders up the flange there is no jump, and the flange begins at `STEEP`.

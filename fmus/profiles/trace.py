@@ -78,12 +78,16 @@ class PlacedRail:
 
 @dataclass(frozen=True, eq=False)
 class Wheel:
-    """A wheel on its axle: radius at the tape circle, half the distance of these."""
+    """A wheel on its axle: radius at the tape circle, half the distance of these.
+
+    axle: height of its middle over the rails' tops [m] from which the wheelset is let down.
+    """
 
     surface: Surface
     radius: float
     half_spacing: float
     name: str
+    axle: float
 
     @cached_property
     def grid(self) -> Array:
@@ -111,10 +115,10 @@ class Wheel:
         spoke = (ahead, back * axle[1] + left * axle[2], back * axle[2] - left * axle[1])
         x, y, z = (along * a + radius * b for a, b in zip(axle, spoke, strict=True))
         normal = [dy * b + dz * a for a, b in zip(axle, spoke, strict=True)]
-        return Trace(x, y + shift, z + self.radius, -normal[2], normal[1], radius)
+        return Trace(x, y + shift, z + self.axle, -normal[2], normal[1], radius)
 
     def touch(self, rail: PlacedRail, shift: Array, roll: Array, yaw: float) -> Touch:
-        """The wheel, as high as over its rail's top, above its rail; shift, roll: (n,)."""
+        """The wheel above its rail, the axle's middle held at `axle`; shift, roll: (n,)."""
         s = self.grid
         trace = self.trace(s, shift[:, None], roll[:, None], yaw)
         _, y, z = rail.outline
@@ -193,7 +197,7 @@ class Touch:
     def gap_per_roll(self) -> Array:
         """Its derivative by the roll [m]."""
         _, trace, (_, _, dy, dz) = self._gap(self.s)
-        return trace.y - self.shift + dz / dy * (trace.z - self.wheel.radius)
+        return trace.y - self.shift + dz / dy * (trace.z - self.wheel.axle)
 
     def second(self, apart: float) -> Array:
         """Where it comes next to nearest, so far [m] from there at least; NaN if nowhere."""

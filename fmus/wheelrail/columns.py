@@ -34,10 +34,11 @@ LINEAR = "linear"
 
 
 class Columns:
-    """Columns of tread and flange by patch, and the splines through them.
+    """Columns of one wheel's tread and flange by patch, and the splines through them.
 
-    poisson_ratio: of wheel and rail. small_angles: cosines and leverages are 1, sines are tangents,
-    arms and curvatures along are those of the nominal contact, as for the coned wheelset.
+    table: of that side alone. poisson_ratio: of wheel and rail. small_angles: cosines and leverages
+    are 1, sines are tangents, arms and curvatures along are those of the nominal contact, as for
+    the coned wheelset.
     """
 
     def __init__(

@@ -65,8 +65,8 @@ class ProfiledWheelRail(WheelRail):
     constants = (
         Constant("rolling_radius", "m", "Nominal rolling radius of the table"),
         Constant("half_contact_spacing", "m", "Half distance of the contacts when centred"),
-        Constant("flange_clearance", "m", "Shift at which a flange touches"),
-        Constant("flange_angle", "rad", "Steepest contact angle of the table"),
+        Constant("flange_clearance", "m", "Least shift at which a flange touches"),
+        Constant("flange_angle", "rad", "Steepest contact angle of the less steep side"),
         Constant("nadal_limit", "1", "Nadal's limit of l_over_v at that angle and the friction"),
     )
 
@@ -78,8 +78,9 @@ class ProfiledWheelRail(WheelRail):
         small_angles: bool = False,
     ) -> None:
         self.geometry, self.name, self.poisson_ratio = geometry, name, poisson_ratio
-        self.columns = Columns(geometry, poisson_ratio, small_angles)
-        self.limits = _limits(self.columns)
+        sides = [Columns(own, poisson_ratio, small_angles) for own in geometry.different]
+        self.columns = {"left": sides[0], "right": sides[-1]}
+        self.limits = _limits(geometry, sides)
         self.description = f"Wheelset on two rails, profiles {geometry.name!r}: creep, flange"
 
     def constant(self, p: Signals, d: Signals) -> Signals:
@@ -93,23 +94,21 @@ class ProfiledWheelRail(WheelRail):
         }
 
     def derived(self, p: Signals) -> Signals:
-        """Compliance [1/Pa], and the lateral creepage [1] that asks a flange for its friction."""
+        """Compliance [1/Pa], and the lateral creepages [1] that ask for a flange's friction."""
         compliance = (1 - self.poisson_ratio) / p["shear_modulus"]
-        if self.geometry.flange is None:
-            return {"compliance": compliance, "sliding": ca.SX(1)}
-        g22, load = self.columns.first("flange")["g22"], 0.5 * p["axle_load"]
-        stiffness = p["shear_modulus"] * g22 * (load * compliance) ** (2 / 3)
-        return {
-            "compliance": compliance,
-            "sliding": p["friction_coefficient"] * load / stiffness,
-        }
+        derived, load = {"compliance": compliance}, 0.5 * p["axle_load"]
+        for side, columns in self.columns.items():
+            g22 = columns.first("flange")["g22"] if "flange" in columns.patches else 1.0
+            stiffness = p["shear_modulus"] * g22 * (load * compliance) ** (2 / 3)
+            derived[f"sliding_{side}"] = p["friction_coefficient"] * load / stiffness
+        return derived
 
     def event_indicators(
         self, x: Signals, u: Signals, p: Signals, d: Signals, mode: Signals
     ) -> Signals:
         """(21)"""
         wheels = self._wheels(LINEAR, u, p, d)
-        left = {side: self.geometry.clearance - wheels.shift(side) for side in SIDES}
+        left = {side: wheels.clearance(side) - wheels.shift(side) for side in SIDES}
         return {
             f"{side}.clearance": ca.if_else(p["flange_stiffness"] > 0, clearance, 1)
             for side, clearance in left.items()
@@ -152,7 +151,7 @@ class ProfiledWheelRail(WheelRail):
         kind: Any = ca.MX if law == "fastsim" else ca.SX  # the grid stays a loop in C
         names = KINEMATIC + ELASTIC * (law != LINEAR)
         spots = [(side, patch) for patch in patches for side in SIDES]
-        splines = [self.columns.spline(patch, names) for _, patch in spots]
+        splines = [self.columns[side].spline(patch, names) for side, patch in spots]
 
         def places(*at: Any) -> list[Any]:
             found = self._wheels(law, *at).places()
@@ -161,8 +160,11 @@ class ProfiledWheelRail(WheelRail):
 
         def columns(u: Any, p: Any, d: Any, parts: Any, *rows: Any) -> list[Any]:
             yaw = self._wheels(law, u, p, d).yaw
-            found = [s.value(parts[i], rows[i]) for i, s in enumerate(splines)]
-            return [ca.horzcat(*(self.columns.at_yaw(column, yaw) for column in found))]
+            found = [
+                self.columns[side].at_yaw(spline.value(parts[i], rows[i]), yaw)
+                for i, ((side, _), spline) in enumerate(zip(spots, splines, strict=True))
+            ]
+            return [ca.horzcat(*found)]
 
         def named(columns: Any) -> dict[tuple[str, str], Signals]:
             each = (by_name(names, column) for column in ca.horzsplit(columns))
@@ -210,13 +212,14 @@ class ProfiledWheelRail(WheelRail):
         )
 
 
-def _limits(columns: Columns) -> tuple[Limit, ...]:
+def _limits(table: ContactTable, sides: Sequence[Columns]) -> tuple[Limit, ...]:
     """What the laws hold for; flange and yaw as far as the table has them."""
     ends: dict[str, dict[str, Any]] = {}
-    if columns.table.flange is not None:
-        ends["off_the_flange"] = {"largest": float(columns.patches["flange"].over[-1])}
-    if columns.table.yawed:
-        last = max(columns.table.yawed)
+    if table.flange is not None:
+        climbs = (float(columns.patches["flange"].over[-1]) for columns in sides)
+        ends["off_the_flange"] = {"largest": min(climbs)}
+    if table.yawed:
+        last = max(table.yawed)
         ends["yaw"] = {"least": -last, "largest": last}
     found = read_range(RANGE, ProfiledWheelRail.outputs) or ()
     return tuple(replace(limit, **ends.get(limit.name, {})) for limit in found)

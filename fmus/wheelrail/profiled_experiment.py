@@ -23,10 +23,9 @@ METHOD = (
 def reference(block: ProfiledWheelRail, values: Values) -> Reference:
     """Known results with the parameters' values [SI], without the block's code."""
     rng = np.random.default_rng(1980)
-    count, reach = (
-        len(TIMES) - 1,
-        0.9 * min(block.geometry.clearance, -block.geometry.tread.over[0]),
-    )
+    count = len(TIMES) - 1
+    back = min(-side.tread.over[0] for side in block.geometry.different)
+    reach = 0.9 * min(block.geometry.clearance, back)
     u = {
         "y": 0.7 * reach * rng.uniform(-1, 1, count),
         "rail_y_left": 0.2 * reach * rng.uniform(-1, 1, count),
@@ -53,7 +52,7 @@ def reference(block: ProfiledWheelRail, values: Values) -> Reference:
 
 
 def _solve(block: ProfiledWheelRail, values: Values, u: Table) -> Table:
-    places = {side: _place(block.geometry, u, side) for side in SIDES}
+    places = {side: _place(block.geometry.sides[side], u, side) for side in SIDES}
     motion, turning = u["vy"] / u["speed"] - u["yaw"], u["wz"] / u["speed"]
     slip = {
         s: 1 - places[s]["ratio"] - sign * places[s]["arm"] * turning for s, sign in SIDES.items()

@@ -45,18 +45,20 @@ class Touch:
 
 @dataclass(frozen=True)
 class Wheels:
-    """A wheelset under one creep law, of inputs u, parameters p and derived constants d."""
+    """A wheelset under one creep law, of inputs u, parameters p and derived constants d.
+
+    columns: by side.
+    """
 
     law: str
-    columns: Columns
+    columns: Mapping[str, Columns]
     u: Signals
     p: Signals
     d: Signals
 
-    @property
-    def clearance(self) -> float:
+    def clearance(self, side: str) -> float:
         """Shift at which a flange touches [m]."""
-        return self.columns.table.clearance
+        return self.columns[side].table.clearance
 
     @property
     def yaw(self) -> ca.SX:
@@ -66,25 +68,25 @@ class Wheels:
     def shift(self, side: str) -> ca.SX:
         """Of a wheel towards its own rail, as far from flange contact as without yaw [m]."""
         shift = SIDES[side] * (self.u["y"] - self.u[f"rail_y_{side}"])
-        if not self.columns.table.yawed:
+        if not self.columns[side].table.yawed:
             return shift
-        return shift + self.columns.earlier(self.yaw)
+        return shift + self.columns[side].earlier(self.yaw)
 
     def overlap(self, side: str) -> ca.SX:
         """How far a wheel is shifted beyond flange contact [m]."""
-        return ca.fmax(self.shift(side) - self.clearance, 0)
+        return ca.fmax(self.shift(side) - self.clearance(side), 0)
 
     def places(self) -> list[ca.SX]:
         """Shift of each tread, and climb of each flange if there is one [m]."""
         # (27): the rail moves with the flange
-        shifts = [ca.fmin(self.shift(side), self.clearance) for side in SIDES]
+        shifts = [ca.fmin(self.shift(side), self.clearance(side)) for side in SIDES]
         return [*shifts, *(self.climb(side) for side in SIDES)]
 
     def climb(self, side: str) -> ca.SX:
         """What the rail cannot give way by under the force that lifts the tread [m], (29)."""
-        if self.columns.table.flange is None:
+        if self.columns[side].table.flange is None:
             return ca.SX(0)
-        at = self.columns.first("flange", self.yaw)
+        at = self.columns[side].first("flange", self.yaw)
         lifting = self._lifting(side, at) * at["sine"]
         return ca.fmax(self.overlap(side) - lifting / ca.fmax(self.p["flange_stiffness"], 1), 0)
 
@@ -97,7 +99,7 @@ class Wheels:
         contacts' normal forces [N]."""
         contacts = [ca.vertcat(*vars(touch.contact).values()) for touch in touches]
         grips, normals = zip(*((touch.grip, touch.normal) for touch in touches), strict=True)
-        pull = self.u["torque"] / self.columns.table.rolling_radius
+        pull = self.u["torque"] / self.columns["left"].table.rolling_radius
         return [ca.horzcat(*contacts), ca.vertcat(*grips), pull, ca.vertcat(*normals)]
 
     def turning(
@@ -135,7 +137,7 @@ class Wheels:
         if self.law == LINEAR:  # whose flange has no friction
             return ca.SX(0)
         creep = motion(self.u, self.p)[0] / at["cosine"]
-        share = creep / ca.sqrt(creep**2 + self.d["sliding"] ** 2)
+        share = creep / ca.sqrt(creep**2 + self.d[f"sliding_{side}"] ** 2)
         return -SIDES[side] * self.p["friction_coefficient"] * share
 
     def _lifting(self, side: str, at: Mapping[str, Any]) -> ca.SX:
@@ -234,7 +236,7 @@ class Wheels:
             "saturation": sizes / (p["friction_coefficient"] * borne),
             "wear_number": wear,
             "load_ratio": u[f"load_{side}"] / (0.5 * p["axle_load"]),
-            "clearance": self.clearance - self.shift(side),
+            "clearance": self.clearance(side) - self.shift(side),
             "normal_force": tread.normal,
             "flange_force": sum(touch.normal for touch in flange),
             "contact_angle": ca.if_else(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from orchestrator import simulate
 from tracktrain.answer.standing import standing
-from tracktrain.car.hopper import hopper_car
+from tracktrain.car.hopper import hopper_car, layout_of
 from tracktrain.car.wheelsets import with_profiles
 from tracktrain.cli.main import main
 from tracktrain.profiles.pairing import contact_table
@@ -27,3 +28,19 @@ def test_the_critical_speed_of_a_run_is_that_of_its_profiles(tmp_path):
     result = CliRunner().invoke(main, [*asked, "--speed", "40 mph", "--out", str(tmp_path)])
     assert result.exit_code == 0, result.output
     assert f"({found[1]:.3g} mph)" in result.output
+
+
+@pytest.mark.slow
+def test_a_car_whose_wheels_change_sides_makes_the_mirrored_run():
+    """On perfect track, where nothing else is unlike left and right."""
+    runs = []
+    for left, right in (("worn", "conical"), ("conical", "worn")):
+        table = contact_table(left, "crown", right=(right, None))
+        car, _ = with_profiles(hopper_car("loaded", "30 mph", "perfect"), table)
+        law = {axle.wheelset: {"creep_law": "polach"} for axle in layout_of(car).axles}
+        runs.append(simulate(car.with_values(law), duration=2.0, step=1e-3).dataset)
+    one, other = runs
+    for name in ("force_y", "moment_z", "y_rel"):
+        found, mirrored = (run[f"wheelset_11.{name}"].values for run in (one, other))
+        assert np.abs(found + mirrored).max() <= 1e-12 * np.abs(found).max() > 0
+    assert float(one["wheelset_11.y_rel"][-1]) > 1e-4  # towards the wheel of less radius

@@ -226,6 +226,24 @@ def rail_option() -> Option:
     )
 
 
+def right_wheel_option() -> Option:
+    """--right-wheel, the profile of the wheels on the right."""
+    return click.option(
+        "--right-wheel",
+        metavar="FILE",
+        help="Profile of the right wheels, if not as the left ones.",
+    )
+
+
+def right_rail_option() -> Option:
+    """--right-rail, the profile of the right rail."""
+    return click.option(
+        "--right-rail",
+        metavar="FILE",
+        help="Profile of the right rail, if not as the left one.",
+    )
+
+
 def swap_option(**more: Any) -> Option:
     """--swap, FMUs in the place of instances."""
     return click.option(

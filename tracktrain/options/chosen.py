@@ -20,6 +20,8 @@ from .car import (
     is_track_file,
     layout_option,
     rail_option,
+    right_rail_option,
+    right_wheel_option,
     seed_option,
     set_option,
     speed_option,
@@ -37,15 +39,21 @@ if TYPE_CHECKING:
 
 Assigned = tuple[str, str, str]
 
+Profiles = tuple[str | None, str | None, str | None, str | None]
+"""Wheel and rail, and those of the right side where they are others."""
+
 STEP = 1e-3
 """Of a run of the hopper car [s]."""
 
 CONES, STRAIGHT = "cones", "straight"
 """Instead of a pair of profiles and of a line: what the car is on without them."""
 
+PROFILES = ("wheel", "rail", "right_wheel", "right_rail")
+"""Options of the profiles, as `check_pair` takes them."""
+
 CAR_ONLY = (
     *("car", "speed", "speed_profile", "track", "layout", "seed"),
-    *("initials", "carbody", "wheel", "rail"),
+    *("initials", "carbody", *PROFILES),
 )
 """Options that make no sense for a system from a file."""
 
@@ -96,6 +104,8 @@ _OPTIONS = (
     carbody_option(),
     wheel_option(),
     rail_option(),
+    right_wheel_option(),
+    right_rail_option(),
     swap_option(),
     click.option(
         "--map",
@@ -129,6 +139,8 @@ class Shape:
     carbody: Path | None = None
     wheel: str | None = None
     rail: str | None = None
+    right_wheel: str | None = None
+    right_rail: str | None = None
     swaps: Sequence[Assigned] = ()
     maps: Sequence[Assigned] = ()
     drives: Sequence[Assigned] = ()
@@ -138,10 +150,15 @@ class Shape:
         """Take what the options say out of a command's."""
         taken = {f.name: options.pop(f.name) for f in fields(cls) if f.name in options}
         if taken.get("wheel") == CONES:
-            taken |= {"wheel": None, "rail": None}
+            taken |= dict.fromkeys(PROFILES)
         if taken.get("layout") is not None and Path(taken["layout"]).name == STRAIGHT:
             taken["layout"] = None
         return cls(**taken)
+
+    @property
+    def profiles(self) -> Profiles:
+        """Wheel and rail, and those of the right side where they are others."""
+        return self.wheel, self.rail, self.right_wheel, self.right_rail
 
 
 def chosen_car(shape: Shape) -> System:
@@ -171,7 +188,7 @@ def chosen_car(shape: Shape) -> System:
             )
         system, said = with_carbody(system, shape.carbody, shape.car)
         notes += said
-    if shape.wheel is not None or shape.rail is not None:
+    if any(shape.profiles):
         system, said = _on_profiles(system, shape)
         notes += said
     port_maps = _port_maps(shape)
@@ -225,35 +242,56 @@ def _on_profiles(system: System, shape: Shape) -> tuple[System, list[str]]:
     """The car on profiles, of a wheel and a rail or of an FMU that was made of such; and notes."""
     from ..car.wheelsets import nominal_radius, with_profiles
 
-    check_pair(shape.wheel, shape.rail)
+    check_pair(*shape.profiles)
     if shape.wheel is None or shape.rail is None:
         return with_profiles(system, Path(str(shape.wheel)))
-    files = [path for path in map(Path, (shape.wheel, shape.rail)) if path.is_file()]
+    files = [path for path in map(Path, filter(None, shape.profiles)) if path.is_file()]
     held = tuple(path.read_bytes() for path in files)
-    return with_profiles(system, _table(shape.wheel, shape.rail, nominal_radius(system), held))
+    return with_profiles(system, _table(shape.profiles, nominal_radius(system), held))
 
 
 @lru_cache(maxsize=8)
-def _table(wheel: str, rail: str, radius: float, held: tuple[bytes, ...]) -> ContactTable:
+def _table(profiles: Profiles, radius: float, held: tuple[bytes, ...]) -> ContactTable:
     """The contact table, once for all runs of a process. held: what the files have in them."""
     from ..profiles.pairing import Pairing, contact_table
 
-    return contact_table(wheel, rail, Pairing(rolling_radius=radius))
+    wheel, rail, *right = profiles
+    assert wheel and rail
+    return contact_table(wheel, rail, Pairing(rolling_radius=radius), right=(right[0], right[1]))
 
 
-def check_pair(wheel: str | None, rail: str | None) -> None:
-    """Raise TracktrainError for half a pair of profiles, and for a rail beside an FMU of both."""
+def check_pair(
+    wheel: str | None,
+    rail: str | None,
+    right_wheel: str | None = None,
+    right_rail: str | None = None,
+) -> None:
+    """Raise TracktrainError for half a pair of profiles, for a rail beside an FMU of both, and for
+    a right side without a left one."""
     if wheel == CONES:
         return
+    right = {"--right-wheel": right_wheel, "--right-rail": right_rail}
+    others = [name for name, value in right.items() if value is not None]
     if wheel is not None and Path(wheel).suffix.lower() == ".fmu":
-        if rail is not None:
+        if rail is not None or others:
+            idle = " and ".join([*(["--rail"] if rail is not None else []), *others])
             raise TracktrainError(
-                f"'{wheel}' has its rail already; leave out --rail, or give the wheel's own profile"
+                f"'{wheel}' has its rail already, and both sides; leave out {idle}, or give the "
+                "wheel's own profile"
             )
-    elif (wheel is None) != (rail is None):
-        given, other = ("--wheel", "--rail") if rail is None else ("--rail", "--wheel")
+        return
+    for name, value in right.items():
+        if value is not None and Path(value).suffix.lower() == ".fmu":
+            raise TracktrainError(
+                f"{name} '{value}' is an FMU, which has a wheelset whole; give it as --wheel alone"
+            )
+    given = {"--wheel": wheel, "--rail": rail}
+    lacking = [name for name, value in given.items() if value is None]
+    if lacking and (len(lacking) < len(given) or others):
+        alone = [name for name, value in (given | right).items() if value is not None]
         raise TracktrainError(
-            f"{given} alone makes no contact; give {other}, too: a file, or the name of a profile"
+            f"{' and '.join(alone)} alone makes no contact; give {' and '.join(lacking)}, too: a "
+            "file, or the name of a profile"
         )
 
 

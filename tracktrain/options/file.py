@@ -34,7 +34,16 @@ SYSTEM = "system"
 NO_KEYS = ("file", "help", "quiet", "as_json", "resume", "again", "live", "save", "schema")
 """Options that say nothing of the run itself."""
 
-FILES = ("--swap", "--map", "--drive", "--track", "--wheel", "--rail")
+FILES = (
+    "--swap",
+    "--map",
+    "--drive",
+    "--track",
+    "--wheel",
+    "--rail",
+    "--right-wheel",
+    "--right-rail",
+)
 """Options whose text may be the path of a file."""
 
 

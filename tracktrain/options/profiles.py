@@ -54,6 +54,17 @@ def _length(name: str, default: str, text: str) -> Callable[[Any], Any]:
     )
 
 
+SIDES = (
+    click.option("--right-wheel", metavar="WHEEL", help="If not as the left one."),
+    click.option("--right-rail", metavar="RAIL", help="If not as the left one."),
+    click.option(
+        "--right-radius",
+        type=Quantity("rolling radius", "m", LENGTH, "459 mm"),
+        metavar="LENGTH",
+        help="Of the right wheel, if not as that of the left one.",
+    ),
+)
+
 PAIRING = (
     _length("--rolling-radius", "16.5 in", "Of the wheels, at their tape circles."),
     _length("--tape-spacing", "59.5 in", "From tape circle to tape circle."),
@@ -79,5 +90,12 @@ PAIRING = (
 
 
 def pairing_options() -> Callable[[Any], Any]:
-    """rolling_radius, tape_spacing, gauge, gauge_depth [m], inclination [1], says."""
-    return adding(PAIRING)
+    """rolling_radius, tape_spacing, gauge, gauge_depth [m], inclination [1], says; and of the right
+    side right_wheel, right_rail, right_radius [m]."""
+    return adding((*PAIRING, *SIDES))
+
+
+def on_the_right(given: dict[str, Any]) -> dict[str, Any]:
+    """What `Pairing.placed` and `contact_table` take of the right side, out of a command's."""
+    right = given.pop("right_wheel"), given.pop("right_rail")
+    return {"right": right, "right_radius": given.pop("right_radius")}

@@ -72,9 +72,13 @@ def contact_table(
     pairing: Pairing | None = None,
     says: Sequence[str] = (),
     yaw: float = 0.0,
+    right: tuple[str | Path | None, str | Path | None] = (None, None),
+    right_radius: float | None = None,
 ) -> ContactTable:
     """The table of a wheel and a rail, each a file or the name of a shape.
 
-    yaw: largest one [rad] of a table over yaw; 0 for one without.
+    yaw: largest one [rad] of a table over yaw; 0 for one without. right, right_radius: as
+    `Pairing.placed` has them.
     """
-    return tables.contact_table(*(pairing or Pairing()).placed(wheel, rail, says), yaw=yaw)
+    placed = (pairing or Pairing()).placed(wheel, rail, says, right, right_radius)
+    return tables.contact_table(*placed, yaw=yaw)

@@ -54,7 +54,7 @@ def _profiles(axes: Axes, found: Examined) -> None:
     y, z, _, _ = wheel.surface.at(wheel.grid)
     apart = 0.010  # between the two, to see the lines [m]
     on_track = wheel.half_spacing + y
-    up = centred.lift[0] + apart + z
+    up = centred.lift[0] + apart + wheel.axle - wheel.radius + z
     _, rail_y, rail_z = rail.outline
     axes.plot(MILLI * on_track, MILLI * up, color=INK, label=found.wheelset.left.name)
     axes.plot(MILLI * rail_y, MILLI * rail_z, color=BLUE, label=found.track.left.name)

@@ -27,7 +27,7 @@ QUANTITIES = {"speed": "m/s", "duration": "s", "step": "s"}
 NAMED = {"car": CARS, "track": TRACKS, "master": MASTERS}
 """Options that are one of some names; a track is also a file."""
 
-FILES = ("layout", "wheel", "rail")
+FILES = ("layout", "wheel", "rail", "right_wheel", "right_rail")
 """Options that are files; a wheel and a rail are also names of shapes."""
 
 WITHOUT = {"layout": STRAIGHT, "wheel": CONES}
@@ -226,7 +226,7 @@ def _check_file(name: str, value: str) -> None:
     elif Path(value).suffix.lower() == ".fmu":
         _check_there(name, value)
     else:
-        profile_of(value, kind="rail" if name == "rail" else "wheel")
+        profile_of(value, kind="rail" if name.endswith("rail") else "wheel")
 
 
 def _check_there(name: str, value: str) -> None:

@@ -18,7 +18,7 @@ from ..car.hopper import CARS, hopper_car
 from ..columns import file_and_column
 from ..errors import choices
 from ..options.car import fmu_of
-from ..options.chosen import Shape, check_pair
+from ..options.chosen import PROFILES, Shape, check_pair
 from ..options.master import USUAL as COUPLED
 from ..terminal import Progress, unseen
 from .axes import QUANTITIES, Axis, Given, SweepError, make_axis, shaped
@@ -47,9 +47,9 @@ def sweep(
 ) -> xr.Dataset:
     """Run the car at every point of a grid; rms, peak and dominant frequency of its outputs.
 
-    over: by "speed", "seed", "car", "track", "layout", "wheel", "rail", "duration", "step",
-    "master" or "instance.parameter" the values, as "60:100:20 ft/s", "loaded,empty", names of files
-    or a sequence [SI].
+    over: by "speed", "seed", "car", "track", "layout", "wheel", "rail", "right_wheel",
+    "right_rail", "duration", "step", "master" or "instance.parameter" the values, as
+    "60:100:20 ft/s", "loaded,empty", names of files or a sequence [SI].
     out: folder for rows.jsonl, which has each run as soon as it is done, and in the end sweep.csv
     and sweep.nc; a sweep that was stopped goes on from there. outputs: names or patterns; those
     that a run prints when None.
@@ -119,9 +119,8 @@ def _shape(options: Mapping[str, Any], axes: Sequence[Axis]) -> dict[str, Any]:
 def _check_pairs(axes: Sequence[Axis], shape: Mapping[str, Any]) -> None:
     """Raise TracktrainError for wheels and rails that make no contact, before any run is made."""
     values: dict[str, Sequence[Any]] = {axis.name: axis.values for axis in axes}
-    wheels, rails = (values.get(name, (shape.get(name),)) for name in ("wheel", "rail"))
-    for wheel, rail in product(wheels, rails):
-        check_pair(wheel, rail)
+    for pair in product(*(values.get(name, (shape.get(name),)) for name in PROFILES)):
+        check_pair(*pair)
 
 
 def _files(axes: Sequence[Axis], shape: Mapping[str, Any]) -> dict[str, str]:

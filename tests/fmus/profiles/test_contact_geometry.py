@@ -7,6 +7,7 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 import pytest
+from scipy.optimize import root
 
 from fmus.errors import ParameterError
 from fmus.profiles.conicity import RadiusDifference
@@ -73,6 +74,84 @@ def test_cones_on_circles_roll_and_grow_as_in_closed_form(crown):
     )
     assert np.abs(geometry.left.wheel_curvature).max() < 1e-8
     assert geometry.jumps == ()
+
+
+def on_circles_unlike(tapers, radii, crown: float, centre: float, shift: float):
+    """Roll, and radius left and right, of two unlike cones on circles: of each line the distance
+    from the circle's centre is the circle's radius."""
+    below = [np.hypot(1.0, taper) for taper in tapers]
+
+    def centres(roll, lift):
+        c, s = np.cos(roll), np.sin(roll)
+        for sign in (1, -1):
+            across, up = sign * centre - shift, -crown - lift
+            yield sign * (across * c + up * s), -across * s + up * c
+
+    def misses(q):
+        sides = zip(centres(*q), tapers, radii, below, strict=True)
+        return [
+            taper * (y - SPACING / 2) - radius - z - crown * steep
+            for (y, z), taper, radius, steep in sides
+        ]
+
+    roll, lift = root(misses, [0.0, RADIUS], tol=1e-14).x
+    ends = [-(z + crown / steep) for (_, z), steep in zip(centres(roll, lift), below, strict=True)]
+    return roll, *ends
+
+
+TAPERS, RADII = (0.04, 0.07), (RADIUS, RADIUS - 1.5e-4)
+
+
+@pytest.fixture(scope="module")
+def unlike():
+    """Cones of unlike taper and radius on round rails, and their table."""
+    rail = round_rail(0.3)
+    wheelset = Wheelset(cone(TAPERS[0]), RADII[0], SPACING, cone(TAPERS[1]), RADII[1])
+    track = Track(rail, GAUGE, 1.0)
+    return wheelset, track, contact_table(wheelset, track)
+
+
+def test_a_table_of_unlike_cones_has_both_sides_in_closed_form(unlike):
+    _, track, table = unlike
+    centre = GAUGE / 2 + float(np.ptp(track.left.points[:, 0])) / 2
+    assert table.rolling_radius == pytest.approx(np.mean(RADII))
+    assert table.name == "cone of 0.04 on round 0.3, right cone of 0.07 on round 0.3"
+    for shift in (-6e-3, 0.0, 5e-3):
+        roll, *radii = on_circles_unlike(TAPERS, RADII, 0.3, centre, shift)
+        for sign, own, radius in zip((1, -1), table.different, radii, strict=True):
+            row = np.abs(own.tread.over - sign * shift).argmin()
+            assert own.tread.roll[row] == pytest.approx(sign * roll, abs=1e-11)
+            assert own.tread.radius[row] == pytest.approx(radius, abs=1e-11)
+
+
+def test_the_table_of_a_mirrored_wheelset_has_its_sides_exchanged(unlike):
+    wheelset, track, table = unlike
+    other = contact_table(wheelset.mirrored, track.mirrored)
+    for one, mirrored in zip(table.different, other.different[::-1], strict=True):
+        for name, column in one.tread.columns().items():
+            np.testing.assert_allclose(getattr(mirrored.tread, name), column, atol=1e-13)
+
+
+def test_sides_that_are_given_alike_have_one_table_to_the_bit():
+    track = Track(round_rail(0.3), GAUGE, 1.0)
+    plain = contact_table(Wheelset(cone(0.05), RADIUS, SPACING), track)
+    both = contact_table(Wheelset(cone(0.05), RADIUS, SPACING, cone(0.05)), track)
+    assert plain.different == (plain,)
+    for own in both.different:
+        assert as_text(replace(own, name=plain.name, said=plain.said)) == as_text(plain)
+
+
+def test_unlike_sides_come_back_from_their_text(unlike):
+    table = unlike[2]
+    again = of_text(as_text(table))
+    assert as_text(again) == as_text(table)
+    assert [own.clearance for own in again.different] == [own.clearance for own in table.different]
+
+
+def test_a_flange_on_one_side_alone_is_refused():
+    track = Track(shape("crown"), 1.4351, 0.015875, 1 / 40)
+    with pytest.raises(ParameterError, match="one wheel has a flange and the other has none"):
+        contact_table(Wheelset(shape("conical"), 0.4191, 1.5113, cone(0.05)), track)
 
 
 def test_circles_on_circles_have_wickens_conicity():

@@ -188,6 +188,67 @@ def test_left_and_right_mirror_each_other(coned, rng, law):
             assert one[f"left.{name}"] == pytest.approx(other[f"right.{name}"], rel=1e-9, abs=1e-9)
 
 
+@pytest.fixture(scope="module")
+def unlike():
+    """Cones of unlike taper, radius and flange, and the same with left and right exchanged."""
+    left = cone()
+    right = larger(cone(0.1, flange=np.radians(65.0)), 2e-4)
+    return block(replace(left, right=right)), block(replace(right, right=left))
+
+
+def larger(table: ContactTable, radius: float) -> ContactTable:
+    """With more radius [m] at the tape circle, and the same nominal one."""
+    patches = {n: replace(p, radius=p.radius + radius) for n, p in table.patches().items()}
+    return replace(table, **patches)
+
+
+@pytest.mark.parametrize("law", CREEP_LAWS)
+def test_wheels_that_change_sides_give_the_mirrored_forces(unlike, rng, law):
+    for y in (4e-3, 9.5e-3, -9.5e-3):
+        motion = {**scattered(rng), "y": y, "rail_y_left": 0.0, "load_left": 0.8 * STATIC}
+        mirrored = {name: -value for name, value in motion.items() if "load" not in name}
+        mirrored |= {"rail_y_left": -motion["rail_y_right"], "rail_y_right": 0.0}
+        mirrored |= {"load_left": STATIC, "load_right": 0.8 * STATIC}
+        given = zip(unlike, (motion, mirrored), strict=True)
+        one, other = (outputs(twin(made, law, moved)) for made, moved in given)
+        for name in ("force_y", "moment_z", "y_rel"):
+            assert one[name] == pytest.approx(-other[name], rel=1e-9, abs=1e-9)
+        for side, opposite in (("left", "right"), ("right", "left")):
+            for name in ("force_x", "l_over_v", "normal_force", "flange_force", "climb"):
+                expected = other[f"{opposite}.{name}"]
+                assert one[f"{side}.{name}"] == pytest.approx(expected, rel=1e-9, abs=1e-9)
+
+
+def test_unlike_cones_roll_where_their_radii_are_equal_and_wind_about_there(unlike):
+    """At y0 = (r_right - r_left)/(alpha_left + alpha_right), as Klingel's cones of their mean."""
+    tapers, speed = (TAPER, 0.1), 20.0
+    line = 2e-4 / sum(tapers)
+    made = twin(unlike[0], inputs={"y": line, "speed": speed}, gravity_factor=0.0)
+    found = outputs(made)
+    assert found["moment_z"] == pytest.approx(0.0, abs=1e-6)
+    assert found["left.creep_x"] == pytest.approx(0.0, abs=1e-12)
+    columns = [made.directional({name: 1.0})[:2] for name in ("y", "yaw", "vy", "wz")]
+    stiffness, damping = np.array(columns[:2]).T, np.array(columns[2:]).T
+    roots = np.linalg.eigvals(-np.linalg.solve(damping, stiffness))
+    length = 2 * np.pi * speed / abs(roots[0].imag)
+    wave = 2 * np.pi * np.sqrt(RADIUS * SPACING / np.mean(tapers))
+    assert length == pytest.approx(wave, rel=2e-3)
+
+
+def test_constants_of_unlike_sides_are_those_of_the_worse_one(unlike):
+    made = unlike[0]
+    wheels = twin(made)
+    found = dict(
+        zip(
+            (c.name for c in made.constants),
+            made.functions.constants(wheels.p, wheels.d).full().ravel(),
+            strict=True,
+        )
+    )
+    assert found["flange_angle"] == pytest.approx(np.radians(65.0))
+    assert found["flange_clearance"] == pytest.approx(CLEARANCE)
+
+
 def test_creep_takes_the_power_that_motion_and_train_give(coned, rng):
     """What the forces on the wheelset take from its motion is what slips in the contacts: a
     wheelset that turns freely is drawn by V times the yawed lateral force."""
@@ -276,4 +337,6 @@ def test_what_makes_no_table_is_refused():
         replace(good, yawed={-0.01: good})
     with pytest.raises(ParameterError, match="other nodes, patches or another radius"):
         replace(good, yawed={0.01: cone(flange=None)})
+    with pytest.raises(ParameterError, match="on the right than on the left; give the same ones"):
+        replace(good, right=cone(flange=None))
     assert as_text(good).count("\n") == 2 + 1 + good.tread.over.size + good.flange.over.size

@@ -127,7 +127,20 @@ def test_profiles_and_lines_are_axes_like_any_other(tmp_path, asked):
 def test_half_a_pair_of_profiles_is_refused_before_any_run(asked):
     with pytest.raises(TracktrainError, match="give --rail, too"):
         sweep({"wheel": "conical,worn"}, workers=1)
+    with pytest.raises(
+        TracktrainError, match=r"--right-wheel alone .* give --wheel and --rail, too"
+    ):
+        sweep({"right_wheel": "conical,worn"}, workers=1)
+    with pytest.raises(TracktrainError, match=r"has its rail already.*leave out --right-rail"):
+        sweep({"right_rail": "crown,60e1"}, wheel="worn.fmu", workers=1)
     assert not asked
+
+
+def test_right_profiles_are_axes_beside_the_left_ones(asked):
+    sweep({"right_wheel": "conical,worn"}, wheel="worn", rail="crown", workers=1)
+    assert [(o["wheel"], o["right_wheel"]) for o in asked] == [
+        ("worn", w) for w in ("conical", "worn")
+    ]
 
 
 def test_a_sweep_does_not_go_on_with_a_file_that_was_changed(tmp_path, asked):

@@ -35,9 +35,9 @@ Examples:
     multiple=True,
     required=True,
     metavar="NAME=VALUES",
-    help="What to sweep over: speed, seed, car, track, layout, wheel, rail, duration, step, master "
-    "or an instance.parameter; as start:stop:step with a unit, or a list with commas, of files, "
-    "too. Repeatable: all combinations are run.",
+    help="What to sweep over: speed, seed, car, track, layout, wheel, rail, right_wheel, "
+    "right_rail, duration, step, master or an instance.parameter; as start:stop:step with a unit, "
+    "or a list with commas, of files, too. Repeatable: all combinations are run.",
 )
 @system_options
 @master_options

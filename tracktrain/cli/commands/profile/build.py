@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from ....options.fmu import fmi_option, target_option
-from ....options.profiles import YAW, pairing_options
+from ....options.profiles import YAW, on_the_right, pairing_options
 from ....terminal import writable
 
 
@@ -17,6 +17,7 @@ from ....terminal import writable
 Examples:
   tracktrain profile build worn crown -o worn.fmu
   tracktrain profile build my_wheel.csv 60e1 --gauge "1435 mm" --gauge-depth "14 mm" --target all
+  tracktrain profile build worn crown --right-wheel conical -o uneven.fmu
   tracktrain profile build worn crown --yaw "40 mrad" -o yawed.fmu
   tracktrain run --wheel worn.fmu --set wheelset_11.creep_law=polach \\
       --set wheelset_12.creep_law=polach --set wheelset_21.creep_law=polach \\
@@ -58,8 +59,8 @@ def command(
 
     from ....profiles.pairing import Pairing, contact_table
 
-    says = pairing.pop("says")
-    table = contact_table(wheel, rail, Pairing(**pairing), says, yaw or 0.0)
+    says, right = pairing.pop("says"), on_the_right(pairing)
+    table = contact_table(wheel, rail, Pairing(**pairing), says, yaw or 0.0, **right)
     path = out or Path(f"{Path(wheel).stem}_{Path(rail).stem}.fmu")
     writable(path.parent)
     build_wheelrail(table, path, fmi, targets)

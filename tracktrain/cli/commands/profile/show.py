@@ -7,8 +7,7 @@ from typing import Any
 
 import click
 
-from ....options.profiles import YAW, pairing_options
-from ....options.types import Quantity
+from ....options.profiles import YAW, on_the_right, pairing_options
 from ....terminal import writable
 from ...as_json import json_option, print_json
 
@@ -26,14 +25,6 @@ Examples:
 @click.argument("wheel")
 @click.argument("rail")
 @pairing_options()
-@click.option("--right-wheel", metavar="WHEEL", help="If not as the left one.")
-@click.option("--right-rail", metavar="RAIL", help="If not as the left one.")
-@click.option(
-    "--right-radius",
-    type=Quantity("rolling radius", "m", ("mm", "in", "m"), "459 mm"),
-    metavar="LENGTH",
-    help="Of the right wheel, if not as that of the left one.",
-)
 @click.option(
     "--yaw",
     type=YAW,
@@ -55,9 +46,8 @@ def command(
     from ....profiles.pairing import Pairing
     from ....profiles.pictures import save
 
-    right = given.pop("right_wheel"), given.pop("right_rail")
-    right_radius, yaw = given.pop("right_radius"), given.pop("yaw") or 0.0
-    wheelset, track = Pairing(**given).placed(wheel, rail, says, right, right_radius)
+    yaw, right = given.pop("yaw") or 0.0, on_the_right(given)
+    wheelset, track = Pairing(**given).placed(wheel, rail, says, **right)
     found = Examined(wheelset, track, yaw)
     lines = found.lines()  # all that can fail, before a word of it is told
     if picture is not None:
