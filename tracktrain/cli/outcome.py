@@ -20,6 +20,7 @@ def outcome_options(what: str, name: str) -> Callable[[Any], Any]:
     def decorate(function: Any) -> Any:
         out = click.option(
             "--out",
+            "-o",
             type=click.Path(path_type=Path),
             metavar="DIR",
             help=f"Folder for {what}.  [default: tracktrain-{name}]",

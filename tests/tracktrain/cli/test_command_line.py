@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Iterator
 
+import click
 import pytest
 from click.testing import CliRunner, Result
 
@@ -99,6 +101,19 @@ def test_every_help_shows_an_example(command: tuple[str, ...], example: str) -> 
     result = CliRunner().invoke(main, [*command, "--help"])
     assert result.exit_code == 0
     assert example in result.stdout
+
+
+def test_out_is_written_in_short_in_every_command():
+    def options(command: click.Command) -> Iterator[list[str]]:
+        yield from (parameter.opts for parameter in command.params)
+        if isinstance(command, click.Group):
+            within = click.Context(command)
+            for name in command.list_commands(within):
+                yield from options(command.resolve_command(within, [name])[1])
+
+    places = [names for names in options(main) if "--out" in names]
+    assert len(places) > 10
+    assert all("-o" in names for names in places)
 
 
 def test_python_m_is_the_same_command() -> None:

@@ -43,6 +43,7 @@ Examples:
 )
 @click.option(
     "--out",
+    "-o",
     type=click.Path(path_type=Path),
     default=Path("tracktrain-fmus"),
     show_default=True,

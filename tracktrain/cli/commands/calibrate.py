@@ -78,6 +78,7 @@ Examples:
 @system_options
 @click.option(
     "--out",
+    "-o",
     type=click.Path(path_type=Path, file_okay=False),
     default=Path("calibration"),
     show_default=True,

@@ -38,6 +38,7 @@ Examples:
 @span_options
 @click.option(
     "--out",
+    "-o",
     type=click.Path(path_type=Path, file_okay=False),
     default=Path("comparison"),
     show_default=True,

@@ -42,6 +42,7 @@ Examples:
 @span_options
 @click.option(
     "--out",
+    "-o",
     type=click.Path(path_type=Path, file_okay=False),
     default=Path("correlation"),
     show_default=True,

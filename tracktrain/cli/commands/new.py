@@ -28,6 +28,7 @@ Examples:
 @click.argument("name")
 @click.option(
     "--out",
+    "-o",
     type=click.Path(path_type=Path),
     default=Path(),
     metavar="DIR",

@@ -41,6 +41,7 @@ Examples:
 @span_options
 @click.option(
     "--out",
+    "-o",
     type=click.Path(path_type=Path, dir_okay=False),
     default=Path("plot.png"),
     show_default=True,

@@ -94,6 +94,7 @@ Examples:
 @master_options
 @click.option(
     "--out",
+    "-o",
     type=click.Path(path_type=Path),
     default=Path("tracktrain-results"),
     show_default=True,

@@ -57,6 +57,7 @@ Examples:
 )
 @click.option(
     "--out",
+    "-o",
     type=click.Path(path_type=Path),
     default=Path("tracktrain-sweep"),
     show_default=True,

@@ -20,6 +20,7 @@ Examples:
 @click.argument("project", type=click.Path(path_type=Path))
 @click.option(
     "--out",
+    "-o",
     type=click.Path(path_type=Path),
     default=Path(),
     metavar="DIR",
