@@ -12,11 +12,12 @@ import casadi as ca
 from ..describe.block import Signals
 from ..describe.ranges import read_range
 from ..describe.variables import Constant, Limit, Output
-from .block import SIDES, WheelRail, by_name
-from .columns import ELASTIC, KINEMATIC, LINEAR, Columns
+from .block import SIDES, WheelRail
+from .columns import LINEAR, Columns
 from .contact_table import ContactTable
 from .creep import LAWS
 from .rolling import Rotation, common_creepage, in_proportion
+from .spots import Spots
 from .touching import Wheels
 
 FROM_TABLE = (
@@ -80,6 +81,7 @@ class ProfiledWheelRail(WheelRail):
         self.geometry, self.name, self.poisson_ratio = geometry, name, poisson_ratio
         sides = [Columns(own, poisson_ratio, small_angles) for own in geometry.different]
         self.columns = {"left": sides[0], "right": sides[-1]}
+        self._seldom: dict[tuple[bool, tuple[str, ...]], Spots] = {}
         self.limits = _limits(geometry, sides)
         self.description = f"Wheelset on two rails, profiles {geometry.name!r}: creep, flange"
 
@@ -145,71 +147,56 @@ class ProfiledWheelRail(WheelRail):
         return Wheels(law, self.columns, u, p, d)
 
     def _touching(
-        self, law: str, rotation: Rotation, patches: Sequence[str], wanted: Sequence[str]
+        self, law: str, rotation: Rotation, patches: tuple[str, ...], wanted: Sequence[str]
     ) -> ca.Function:
         """(u, p, d) -> outputs of a wheelset that touches with these patches of both wheels."""
         kind: Any = ca.MX if law == "fastsim" else ca.SX  # the grid stays a loop in C
-        names = KINEMATIC + ELASTIC * (law != LINEAR)
-        spots = [(side, patch) for patch in patches for side in SIDES]
-        splines = [self.columns[side].spline(patch, names) for side, patch in spots]
+        spots = self._spots(law, patches, often=rotation is common_creepage)
 
-        def places(*at: Any) -> list[Any]:
-            found = self._wheels(law, *at).places()
-            pairs = [spline.place(found[i]) for i, spline in enumerate(splines)]
-            return [ca.vertcat(*half) for half in zip(*pairs, strict=True)]
-
-        def columns(u: Any, p: Any, d: Any, parts: Any, *rows: Any) -> list[Any]:
-            yaw = self._wheels(law, u, p, d).yaw
-            found = [
-                self.columns[side].at_yaw(spline.value(parts[i], rows[i]), yaw)
-                for i, ((side, _), spline) in enumerate(zip(spots, splines, strict=True))
-            ]
-            return [ca.horzcat(*found)]
-
-        def named(columns: Any) -> dict[tuple[str, str], Signals]:
-            each = (by_name(names, column) for column in ca.horzsplit(columns))
-            return dict(zip(spots, each, strict=True))
-
-        def contacts(u: Any, p: Any, d: Any, columns: Any) -> list[Any]:
+        def forces(u: Any, p: Any, d: Any, columns: Any, *touching: Any) -> list[Any]:
+            each, grips, normals, common = touching
             wheels = self._wheels(law, u, p, d)
-            return wheels.rotation(wheels.touches(named(columns)))
-
-        def ordered(found: Signals) -> list[Any]:
+            touches = wheels.turning(spots.named(columns), each, grips, normals)
+            found = wheels.outputs(touches, common)
             return [ca.vertcat(*(found[name] for name in wanted))]
 
-        def forces(u: Any, p: Any, d: Any, columns: Any, common: Any, *touching: Any) -> list[Any]:
-            wheels = self._wheels(law, u, p, d)
-            return ordered(wheels.outputs(wheels.turning(named(columns), *touching), common))
-
-        def linear(u: Any, p: Any, d: Any, *looked_up: Any) -> list[Any]:
-            wheels, (found,) = self._wheels(law, u, p, d), columns(u, p, d, *looked_up)
-            touches = wheels.touches(named(found))
-            common = in_proportion(*wheels.rotation(touches)[:3])
-            return ordered(wheels.outputs(touches, common))
+        def linear(u: Any, p: Any, d: Any, *rows: Any) -> list[Any]:
+            wheels, (columns,) = self._wheels(law, u, p, d), spots.looked_up(u, p, d, *rows)
+            each, grips, pull, normals = wheels.rotation(wheels.touches(spots.named(columns)))
+            common = in_proportion(each, grips, pull)
+            return forces(u, p, d, columns, each, grips, normals, common)
 
         u, p = (ca.MX.sym(n, len(v)) for n, v in (("u", self.inputs), ("p", self.parameters)))
         d = ca.MX.sym("d", len(self.derived_shapes))
-        numbers, parts = self._of_signals("places", ca.SX, places)(u, p, d)
-        rows = [s.row(number) for s, number in zip(splines, ca.vertsplit(numbers), strict=True)]
-        shapes = {"parts": parts.shape} | {f"row{i}": row.shape for i, row in enumerate(rows)}
         if law == LINEAR:  # without a root to find one expression costs least
-            one = self._of_signals("forces", kind, linear, **shapes)
+            parts, rows = spots.rows(u, p, d)
+            one = self._of_signals("forces", kind, linear, **spots.shapes)
             result = one(u, p, d, parts, *rows)
         else:
-            found = self._of_signals("columns", ca.SX, columns, **shapes)(u, p, d, parts, *rows)
-            size: Any = {"columns": found.shape}
-            touch = self._of_signals("contacts", ca.SX, contacts, **size)
-            each, grips, pull, normals = touch(u, p, d, found)
-            common = rotation(LAWS[law], kind, len(spots))(each, grips, pull)
-            size |= {"common": (1, 1), "contacts": each.shape, "grips": grips.shape}
-            last = self._of_signals("forces", kind, forces, **size, normals=normals.shape)
-            result = last(u, p, d, found, common, each, grips, normals)
+            columns, each, grips, pull, normals = spots.met(u, p, d)
+            common = rotation(LAWS[law], kind, len(spots.spots))(each, grips, pull)
+            found = {"columns": columns, "contacts": each, "grips": grips, "normals": normals}
+            found["common"] = common
+            shapes = {name: value.shape for name, value in found.items()}
+            result = self._of_signals("forces", kind, forces, **shapes)(u, p, d, *found.values())
         return ca.Function(
             f"{'_'.join(patches)}_{law}",
             [u, p, d],
             [result],
             {"is_diff_in": [True, False, False]},  # none asks for derivatives by parameters
         )
+
+    def _spots(self, law: str, patches: tuple[str, ...], often: bool) -> Spots:
+        """Where the patches touch, once for all that is asked for seldom: less to compile.
+
+        What is asked for often has its own, which a compiler makes part of it: that is faster.
+        """
+        if often:
+            return Spots(self._of_signals, self.columns, law, patches)
+        key = (law == LINEAR, patches)
+        if key not in self._seldom:
+            self._seldom[key] = Spots(self._of_signals, self.columns, law, patches)
+        return self._seldom[key]
 
 
 def _limits(table: ContactTable, sides: Sequence[Columns]) -> tuple[Limit, ...]:
