@@ -49,6 +49,7 @@ PRODUCT = tuple(
         "masters.loop.settle",
         "results.energy",
         "slaves.adapted.adaptors",
+        "slaves.gains",
         "slaves.isolated.adaptors",
         "slaves.logger",
     )

@@ -9,7 +9,6 @@ import sysconfig
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from operator import mul
 from pathlib import Path
 from typing import Any
 
@@ -17,17 +16,13 @@ from ..fmu.description import Description, Tangent, Variable
 from ..system.system import Value
 from .abi import FUNCTIONS, Addresses
 from .base import Slave
+from .gains import Gains
 from .status import Status
 
 Signals = Mapping[str, float]
 
 _REFERENCE = 4
 """Bytes of a value reference."""
-
-_NUMBER, _DOUBLE = struct.Struct("I"), struct.Struct("d")
-
-_ANSWERS = 1000
-"""Answers of constant gains that are kept: masters ask with few seeds, each of them often."""
 
 SHARE, LEAST = 6e-6, 0.02
 """A step of a central difference: its share of the input, and the least that counts of that."""
@@ -154,7 +149,6 @@ class InlineSlave(Slave):
         self._model = model
         self._names = [v.name for v in self.description.variables.values()]
         self._lists: dict[bytes, list[str]] = {}
-        self._answers: dict[tuple[bytes, bytes, bytes], bytes] = {}
         self._u = {v.name: model.start.get(v.name, 0.0) for v in self.description.inputs}
         self._p = {k: v for k, v in model.start.items() if k not in self._u}
         self._none = dict.fromkeys(self._u, 0.0)
@@ -168,6 +162,11 @@ class InlineSlave(Slave):
         self.addresses = Addresses(
             0, *(ctypes.cast(c, ctypes.c_void_p).value or 0 for c in self._callbacks)
         )
+        if model.gains is not None:
+            self._gains = Gains(name, self._names, model.gains)
+            self.addresses = self.addresses._replace(
+                instance=self._gains.instance, directional=self._gains.directional
+            )
 
     def set_value(self, variable: Variable, value: Value) -> None:
         place = self._u if variable.name in self._u else self._p
@@ -266,37 +265,12 @@ class InlineSlave(Slave):
         seed: int,
         result: int,
     ) -> None:
-        if self._model.gains is not None:
-            asked = (
-                ctypes.string_at(unknowns, _REFERENCE * unknown_count),
-                ctypes.string_at(knowns, _REFERENCE * known_count),
-                ctypes.string_at(seed, 8 * known_count),
-            )
-            answer = self._answers.get(asked)
-            if answer is None:
-                if len(self._answers) >= _ANSWERS:
-                    self._answers.clear()
-                answer = self._answers[asked] = self._by_gains(*asked)
-            ctypes.memmove(result, answer, len(answer))
-            return
         assert self._model.directional is not None
         seeds = dict(self._none)
         given = _numbers(seed, known_count)
         seeds.update(zip(self._named(knowns, known_count), given, strict=True))
         found = self._model.directional(self._x, self._u, self._p, seeds)
         _give(found, self._named(unknowns, unknown_count), result, "directional")
-
-    def _by_gains(self, unknowns: bytes, knowns: bytes, seed: bytes) -> bytes:
-        """What constant gains make of a seed: doubles of the unknowns."""
-        gains = self._model.gains or {}
-        rows, columns = (
-            [self._names[r] for (r,) in _NUMBER.iter_unpack(n)] for n in (unknowns, knowns)
-        )
-        seeded = [value for (value,) in _DOUBLE.iter_unpack(seed)]
-        found = [
-            sum(map(mul, [gains.get(n, {}).get(k, 0.0) for k in columns], seeded)) for n in rows
-        ]
-        return struct.pack(f"{len(found)}d", *found)
 
 
 def _give(found: Signals, names: list[str], place: int, function: str) -> None:

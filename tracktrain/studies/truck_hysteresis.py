@@ -22,6 +22,7 @@ from fmus.truck.three_piece import GRAVITY
 from orchestrator import InlineModel, Run, Value, describe
 
 from ..car.hopper import parameters_of
+from ..errors import TracktrainError
 from ..options.car import car_option, fmu_option
 from ..options.types import Name
 from ..options.workers import workers_option
@@ -117,8 +118,9 @@ def truck_hysteresis(
     }
     made: dict[int, list[Cycle]] = {}
     for number, row in rows(tasks, partial(_row, loops), workers):
-        # One that failed is made again here, where its error can be raised as it is.
-        made[number] = row.get("cycles") or loops(**tasks[number])
+        if "cycles" not in row:
+            raise row.get("error") or TracktrainError(row["message"])
+        made[number] = row["cycles"]
         progress(len(made) / len(plan))
     cycles = [cycle for number in tasks for cycle in made[number]]
     return Outcome(
@@ -171,11 +173,11 @@ Examples:
 
 
 def _row(loops: Callable[..., list[Cycle]], options: Mapping[str, Any]) -> dict[str, Any]:
-    """The loops of one run, in whatever process; nothing of one that failed."""
+    """The loops of one run, or its error, in whatever process."""
     try:
         return {"cycles": loops(**options)}
-    except Exception:
-        return {}
+    except Exception as error:
+        return {"error": error}
 
 
 def _loops(

@@ -7,6 +7,8 @@ import pytest
 
 import tolerances
 from orchestrator import Component, Connection, InlineModel, System, simulate
+from orchestrator.errors import SlaveError
+from orchestrator.slaves.inline import InlineSlave
 from support.coupled_models import (
     damped_mass,
     damper,
@@ -148,6 +150,25 @@ def test_gains_that_never_change_are_a_tangent_as_a_function_is():
     ]
     assert "1 of 3 inputs follow a tangent of their source" in runs[1].notes
     np.testing.assert_array_equal(runs[0].record, runs[1].record)
+
+
+def test_gains_that_never_change_are_asked_of_no_python(monkeypatch):
+    def asked(*_):
+        raise AssertionError("Python was asked for constant gains")
+
+    monkeypatch.setattr(InlineSlave, "_directional", asked)
+    stated = damper(50.0, directional=None, gains={"force": {"v": -50.0, "ground_v": 50.0}})
+    system = damped_mass(50.0, slope=0.3).with_fmu("damper", stated)
+    compiled, plain = (simulate(system, duration=0.2, step=0.02, compiled=c) for c in (True, False))
+    assert compiled.completed
+    np.testing.assert_array_equal(compiled.record, plain.record)
+
+
+def test_gains_of_a_port_that_is_not_there_are_refused():
+    misspelt = damper(50.0, directional=None, gains={"force": {"velocity": -50.0}})
+    system = damped_mass(50.0).with_fmu("damper", misspelt)
+    with pytest.raises(SlaveError, match=r"damper: gains are given of 'velocity'.*ground_v"):
+        simulate(system, duration=0.1, step=0.02)
 
 
 def test_chain_of_feedthrough_is_evaluated_in_order_at_every_communication_point():

@@ -80,10 +80,29 @@ def test_loops_made_in_other_processes_in_any_order_are_the_same(monkeypatch):
     assert there.files == here.files
 
 
-def test_a_loop_that_stops_is_told_as_itself_wherever_it_was_made(monkeypatch):
+def test_a_loop_that_stops_is_told_as_itself_and_not_tried_again(monkeypatch):
+    tried = []
+
     def stopped(run, what):
+        tried.append(what)
         raise TracktrainError(f"{what} stopped")
 
-    monkeypatch.setitem(truck_hysteresis.__wrapped__.__globals__, "completed", stopped)
+    def elsewhere(tasks, work, workers):
+        for number, options in tasks.items():
+            yield number, pickle.loads(pickle.dumps(work(options)))
+
+    ours = truck_hysteresis.__wrapped__.__globals__
+    monkeypatch.setitem(ours, "completed", stopped)
+    monkeypatch.setitem(ours, "rows", elsewhere)
     with pytest.raises(TracktrainError, match="the lateral loop at 20 kip stopped"):
+        truck_hysteresis(loads=(20.0,), periods=(0.2,))
+    assert len(tried) == 1
+
+
+def test_a_process_that_ends_with_its_loop_is_told(monkeypatch):
+    def killed(tasks, work, workers):
+        yield next(iter(tasks)), {"units": {}, "message": "the process ended with exit code -9"}
+
+    monkeypatch.setitem(truck_hysteresis.__wrapped__.__globals__, "rows", killed)
+    with pytest.raises(TracktrainError, match="exit code -9"):
         truck_hysteresis(loads=(20.0,), periods=(0.2,))
