@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 from scipy import signal
 from scipy.interpolate import CubicSpline
-from scipy.ndimage import median_filter
 
 from fmus.track.recorded_data import FEWEST, LINE, TrackData
 from fmus.track.spectra import CHANNELS
@@ -18,6 +17,7 @@ from .chords import inverted
 from .errors import GeometryError
 from .layout import LEAST_RADIUS
 from .said import SIGNS, Said, typed
+from .spikes import spikes
 from .table import STATION, Array, Table, read_table, read_text
 
 RAILS = ("left_alignment", "right_alignment", "left_profile", "right_profile")
@@ -33,8 +33,6 @@ JITTER = 1e-6
 """Part of the spacing by which equal distances may differ."""
 GAP = 1.5
 """A distance of more spacings than this is a gap."""
-SPIKE_WINDOW, SPIKE_DEVIATIONS, SPIKE_LEAST = 9, 8.0, 2e-3
-"""Stations of the running median, deviations (by the residual's median) and size [m] of a spike."""
 FILTER_ORDER = 2
 
 
@@ -250,13 +248,8 @@ def _check_size(reading: _Reading, channel: str, values: Array, grid: Array) -> 
 def _without_spikes(reading: _Reading, channel: str, values: Array) -> Array:
     """Spikes kept and told, taken out (NaN) and told, or refused."""
     known = np.isfinite(values)
-    plain = values[known]
-    if not plain.size:
-        return values
-    residual = plain - median_filter(plain, SPIKE_WINDOW, mode="nearest")
-    deviation = 1.4826 * float(np.median(np.abs(residual)))
-    high = np.abs(residual) > max(SPIKE_DEVIATIONS * deviation, SPIKE_LEAST)
-    rows = np.flatnonzero(known)[high]
+    stations = reading.table.columns[STATION]
+    rows = np.flatnonzero(known)[spikes(stations[known], values[known])]
     if not rows.size:
         return values
     where = f"{_many(rows.size, 'spike')} of the {spoken(channel)}, the first in line "

@@ -8,6 +8,8 @@ import pytest
 from fmus.track.recorded_data import TrackData, as_text
 from tracktrain.geometry.errors import GeometryError
 from tracktrain.geometry.measured import UNITS, read_track, track_of
+from tracktrain.geometry.shapes import Shape
+from tracktrain.geometry.spikes import spikes
 from tracktrain.geometry.table import read_table
 
 OURS = "# alignment positive = left\n# profile positive = up\n# cross level positive = left high\n"
@@ -101,6 +103,41 @@ def test_spikes_are_told_kept_taken_out_or_refused_as_is_said():
     assert cleaned.values[0] == pytest.approx(1e-3 * CHANNELS[0], abs=2e-6)
     with pytest.raises(GeometryError, match=r"line.csv, line 85"):
         track(text, "spikes=refuse")
+
+
+def kept_spikes(size, at, length, spacing=0.25):
+    """What is told of a cusp on the left rail of track of class 5 roughness."""
+    stations = spacing * np.arange(800)
+    rough = np.random.default_rng(7).normal(size=(4, 800 + 40)).cumsum(axis=1)
+    values = 2e-4 * (rough[:, 40:] - rough[:, :-40])
+    Shape("cusp", "left_profile", size, at, length).add_to(values, stations)
+    given = TrackData("line", 0.0, spacing, values)
+    return [line for line in track(as_text(given)).said if "spike" in line]
+
+
+@pytest.mark.parametrize("at", [100.0, 100.1])
+@pytest.mark.parametrize("length", [0.5, 1.0, 3.0])
+def test_a_cusp_that_the_stations_resolve_is_no_spike(at, length):
+    assert kept_spikes(-0.04, at, length) == []
+
+
+def test_a_cusp_within_one_station_is_a_spike():
+    assert len(kept_spikes(-0.04, 100.0, 0.05)) == 2  # profile and cross-level
+
+
+@pytest.mark.parametrize("form", [[1.0], [0.9, 1.0], [0.5, 1.0, 0.5], [1.0, -1.0], [1.0, 0.8, 1.0]])
+def test_a_spike_of_few_stations_is_taken_out_whole(form):
+    rows = plain_rows()
+    rows[80 : 80 + len(form), 1] += np.multiply(15.0, form)
+    found = spikes(rows[:, 0], 1e-3 * rows[:, 1])
+    assert list(np.flatnonzero(found)) == list(range(80, 80 + len(form)))
+
+
+def test_low_joints_are_no_spikes():
+    values = np.zeros((4, 2000))
+    stations = 0.1 * np.arange(2000)
+    Shape("dips", "left_profile", 0.02, 30.0, 11.9, 10.0).add_to(values, stations)
+    assert not spikes(stations, values[1]).any()
 
 
 def test_long_waves_are_taken_out_by_the_stated_filter():
