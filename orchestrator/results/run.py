@@ -47,7 +47,8 @@ class Iterations:
 class Statistics:
     """Wall time [s] of loading and of stepping; the share of the latter inside the FMUs.
 
-    fmu_steps: steps of an FMU in a macro step, on average over the FMUs.
+    fmu_steps: steps of an FMU in a macro step, on average over the FMUs. paced: whether the run was
+    kept to real time; the times are of computing alone.
     """
 
     wall_load: float
@@ -56,6 +57,7 @@ class Statistics:
     time_inside_fmus: float | None = None
     fmu_steps: float = 1.0
     iterations: tuple[Iterations, ...] = ()
+    paced: bool = False
 
 
 @dataclass(repr=False)

@@ -336,6 +336,7 @@ class Execution:
                 share,
                 stepper.fmu_steps(),
                 tuple(stepper.iterations()),
+                c.settings.real_time is not None,
             ),
             notes=[*self.notes, *c.plan.notes, *c.prepared.notes, *stepper.messages()],
             path=self._file.path if self._file else None,

@@ -35,16 +35,16 @@ MOST = 12
 """Rows of a system that has none of these."""
 
 
-def print_summary(console: Console, run: Run, counted: Responses, paced: bool = False) -> None:
+def print_summary(console: Console, run: Run, counted: Responses) -> None:
     """Statistics of the variables of `GROUPS` that the run has, then how well the run went.
 
-    counted: the rows of the run that the statistics count. paced: whether it waited for real time.
+    counted: the rows of the run that the statistics count.
     """
     chosen = (
         () if console.width < WIDE else tuple(STATISTICS)[: 2 if console.width < WIDEST else None]
     )
     print_whole(console, _responses(counted, chosen))
-    print_whole(console, _quality(run, paced))
+    print_whole(console, _quality(run))
 
 
 def numbers(dataset: Responses) -> dict[str, dict[str, Any]]:
@@ -127,7 +127,7 @@ def _uncertainty(found: Estimate) -> str:
     return f"{100.0 * share:.0f}%" if isfinite(share) else "?"
 
 
-def _quality(run: Run, paced: bool) -> Table:
+def _quality(run: Run) -> Table:
     table = Table.grid(padding=(0, 2))
     if run.bonds:
         worst = max(run.bonds, key=lambda bond: bond.relative)
@@ -135,6 +135,6 @@ def _quality(run: Run, paced: bool) -> Table:
         table.add_row("", f"({worst.name})")
     for part in run.statistics.iterations:
         table.add_row("evaluations of a step", f"{part.mean:.2f} on average, {part.most} at most")
-    alone = " of computing alone, without waiting" if paced else ""
+    alone = " of computing alone, without waiting" if run.statistics.paced else ""
     table.add_row("real-time factor", three_digits(run.real_time_factor) + alone)
     return table

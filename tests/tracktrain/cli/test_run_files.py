@@ -118,6 +118,16 @@ def test_a_run_is_made_again_from_its_results_to_the_bit(tmp_path):
     assert "made again as it was; leave out --speed" in refused.output
 
 
+def test_a_run_in_real_time_is_made_again_as_such_and_says_so(tmp_path):
+    runner = CliRunner()
+    given = ["--duration", "0.02s", "--real-time", "10", "--set", "track.seed=3"]
+    first = runner.invoke(main, ["run", *given, "--out", str(tmp_path / "one")])
+    again = ["run", "--again", str(tmp_path / "one"), "--out", str(tmp_path / "two")]
+    second = runner.invoke(main, again)
+    for result in (first, second):
+        assert "of computing alone, without waiting" in result.output
+
+
 def test_an_fmu_that_has_changed_since_is_named(tmp_path):
     from shutil import copy
 

@@ -195,7 +195,7 @@ def command(
     if result.completed:
         shutil.rmtree(folder / FMUS_OF_CHECKPOINT, ignore_errors=True)
     form = JSON if as_json else NOTHING if quiet else TEXT
-    _say(told, result, folder, lost, form, how["real_time"] is not None)
+    _say(told, result, folder, lost, form)
     if not result.completed:
         raise _stopped(result, folder, bool(how["checkpoint"] or resume))
 
@@ -326,11 +326,8 @@ def _judged(result: Run, counting: Counting) -> Told:
     return Told(counted, events(whole), parts(counted, result.verdict, whole=whole), remarks)
 
 
-def _say(told: Told, result: Run, folder: Path, lost: list[str], form: str, paced: bool) -> None:
-    """Say the verdict in parts in the results, and with the statistics at the end, in a form.
-
-    paced: whether the run waited for real time.
-    """
+def _say(told: Told, result: Run, folder: Path, lost: list[str], form: str) -> None:
+    """Say the verdict in parts in the results, and with the statistics at the end, in a form."""
     from ..events import print_events, write_events
     from ..summary import numbers, print_summary
 
@@ -351,7 +348,7 @@ def _say(told: Told, result: Run, folder: Path, lost: list[str], form: str, pace
     if form != TEXT:
         return
     console = Console()
-    print_summary(console, result, told.counted, paced)
+    print_summary(console, result, told.counted)
     print_events(console, told.events)
     for note in notes:
         console.print(f"note: {note}", style="dim", markup=False, highlight=False)
