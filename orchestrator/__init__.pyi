@@ -25,6 +25,7 @@ from .masters.iterated import Iterated
 from .masters.jacobi import Jacobi
 from .masters.one_pass import OnePass
 from .naming import is_pattern, picked
+from .notes import Detail
 from .plan.plan import Plan, component_description, make_plan
 from .plan.ports import Problem, fit
 from .results.callback import Callback
@@ -87,6 +88,7 @@ __all__ = [
     "CsvTable",
     "DamageError",
     "Description",
+    "Detail",
     "DimensionError",
     "Estimate",
     "Execution",

@@ -10,6 +10,7 @@ from ..errors import CouplingError
 from ..fmu.description import CO_SIMULATION, Description, Variable
 from ..fmu.given import several
 from ..fmu.read import describe
+from ..notes import Detail
 from ..system.system import Component, System, Value
 from .bonds import Bond, find_bonds
 from .connections import Link, find_links
@@ -263,7 +264,7 @@ def _note_loops(
             f"{names[b.instance]}.{o}" for b in batches[loop.first : loop.last] for o in b.outputs
         ]
         shown = ", ".join(inside[:12]) + (f" and {len(inside) - 12} more" if inside[12:] else "")
-        notes.append(f"algebraic loop, solved at every communication point: {shown}")
+        notes.append(Detail(f"algebraic loop, solved at every communication point: {shown}"))
 
 
 def _read(

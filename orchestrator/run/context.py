@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ..masters.base import Master, Prepared
+from ..notes import Detail
 from ..plan.plan import Plan
 from ..slaves.base import Slave
 from ..system.system import System
@@ -23,3 +24,8 @@ class Context:
     grid: Grid
     slaves: list[Slave] = field(default_factory=list)
     prepared: Prepared = field(init=False)
+
+    @property
+    def notes(self) -> list[str]:
+        """What plan and master say; how the master couples is judged by the verdict."""
+        return [*self.plan.notes, *map(Detail, self.prepared.notes)]

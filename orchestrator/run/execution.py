@@ -338,7 +338,7 @@ class Execution:
                 tuple(stepper.iterations()),
                 c.settings.real_time is not None,
             ),
-            notes=[*self.notes, *c.plan.notes, *c.prepared.notes, *stepper.messages()],
+            notes=[*self.notes, *c.notes, *stepper.messages()],
             path=self._file.path if self._file else None,
             texts=self._texts.changes,
             evidence=self.evidence,
@@ -392,7 +392,7 @@ class Execution:
                 "fmu_tolerance": settings.fmu_tolerance,
                 REQUEST: written_request(c),
             },
-            [*self.notes, *c.plan.notes, *c.prepared.notes],
+            [*self.notes, *c.notes],
             self.evidence.attributes(),
         )
         bound = None if settings.out is None else settings.memory

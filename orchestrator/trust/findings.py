@@ -13,6 +13,7 @@ from enum import Enum
 from typing import Any
 
 from ..masters.base import all_masters
+from ..notes import Detail
 
 VERSION = 4
 """Of the checks: results of another version are not used."""
@@ -92,10 +93,10 @@ class StepLimit:
     def note(self) -> str:
         """What a run says of it."""
         if not math.isfinite(self.largest):
-            return f"largest stable step: no limit up to {FAR * self.step:.3g} s"
+            return Detail(f"largest stable step: no limit up to {FAR * self.step:.3g} s")
         least = f"largest stable step: about {self.largest:.3g} s, by {self.connection}"
         if not self.close:
-            return f"{least}; the step is {self.share:.2g} of it"
+            return Detail(f"{least}; the step is {self.share:.2g} of it")
         return f"{least}; the step of {self.step:g} s is {self.share:.2g} of it: {self.advice}"
 
     @property

@@ -31,7 +31,18 @@ SUFFIX = ".toml"
 SYSTEM = "system"
 """The key that stands for the argument FILE.ssp."""
 
-NO_KEYS = ("file", "help", "quiet", "as_json", "resume", "again", "live", "save", "schema")
+NO_KEYS = (
+    "file",
+    "help",
+    "quiet",
+    "verbose",
+    "as_json",
+    "resume",
+    "again",
+    "live",
+    "save",
+    "schema",
+)
 """Options that say nothing of the run itself."""
 
 FILES = (

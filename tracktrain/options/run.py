@@ -25,6 +25,7 @@ RESUMED = (
     "page",
     "live",
     "quiet",
+    "verbose",
     "as_json",
     "log",
     "log_level",

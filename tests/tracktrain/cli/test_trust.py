@@ -32,6 +32,16 @@ def test_a_run_ends_with_its_verdict_which_the_results_keep(tmp_path):
         assert dataset.attrs["largest_stable_step"] > 5e-3
 
 
+def test_notes_are_of_the_car_and_those_of_the_software_are_for_who_asks(tmp_path):
+    how = "inputs follow a tangent of their source"
+    given = ["--duration", "0.02s", "--out", str(tmp_path)]
+    plain, verbose = run(*given), run(*given, "--verbose")
+    assert how not in plain and "largest stable step:" not in plain
+    assert how in verbose and "note: largest stable step: about " in verbose
+    with xr.open_dataset(tmp_path / "results.nc") as dataset:
+        assert how in str(dataset.attrs["notes"])
+
+
 def test_held_inputs_at_low_speed_are_warned_of_before_and_condemned_after(tmp_path):
     said = run(
         "--duration", "0.07s", "--master", "jacobi", "--speed", "10 ft/s", "--out", str(tmp_path)

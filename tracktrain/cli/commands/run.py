@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 PARTS = "answer"
 """Attribute of the results that has the verdict in parts, a line each."""
 
-TEXT, JSON, NOTHING = "text", "json", "nothing"
+TEXT, VERBOSE, JSON, NOTHING = "text", "verbose", "json", "nothing"
 """In which form a run is told at the end."""
 
 STYLES = {"good": "bold green", "unknown": "bold", "doubtful": "bold yellow", "bad": "bold red"}
@@ -119,6 +119,9 @@ Examples:
 )
 @json_option
 @click.option("--quiet", is_flag=True, help="Print errors only.")
+@click.option(
+    "--verbose", is_flag=True, help="Tell how the answer was computed, too, as the page does."
+)
 @click.pass_context
 def command(
     ctx: click.Context,
@@ -194,7 +197,7 @@ def command(
         lost += _finish(result, beside)
     if result.completed:
         shutil.rmtree(folder / FMUS_OF_CHECKPOINT, ignore_errors=True)
-    form = JSON if as_json else NOTHING if quiet else TEXT
+    form = JSON if as_json else NOTHING if quiet else VERBOSE if options["verbose"] else TEXT
     _say(told, result, folder, lost, form)
     if not result.completed:
         raise _stopped(result, folder, bool(how["checkpoint"] or resume))
@@ -345,12 +348,13 @@ def _say(told: Told, result: Run, folder: Path, lost: list[str], form: str) -> N
             bonds=result.bonds,
             notes=notes,
         )
-    if form != TEXT:
+    if form not in (TEXT, VERBOSE):
         return
     console = Console()
     print_summary(console, result, told.counted)
     print_events(console, told.events)
-    for note in notes:
+    shown = [n for n in notes if form == VERBOSE or not isinstance(n, orchestrator.Detail)]
+    for note in shown:
         console.print(f"note: {note}", style="dim", markup=False, highlight=False)
     console.print(f"results.nc and pictures are in {folder}", markup=False, highlight=False)
     for part in told.parts:
