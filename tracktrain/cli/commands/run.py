@@ -353,8 +353,8 @@ def _say(told: Told, result: Run, folder: Path, lost: list[str], form: str) -> N
     console = Console()
     print_summary(console, result, told.counted)
     print_events(console, told.events)
-    shown = [n for n in notes if form == VERBOSE or not isinstance(n, orchestrator.Detail)]
-    for note in shown:
+    chosen = [n for n in notes if form == VERBOSE or not isinstance(n, orchestrator.Detail)]
+    for note in chosen:
         console.print(f"note: {note}", style="dim", markup=False, highlight=False)
     console.print(f"results.nc and pictures are in {folder}", markup=False, highlight=False)
     for part in told.parts:
