@@ -112,7 +112,7 @@ def _equations(block: Block) -> str:
         text = (Path(folder) / "equations.c").read_text()
     laws = {"outputs": block.functions.output_laws, "slopes": block.functions.slope_laws}
     choices = (_chosen(block, name, found) for name, found in laws.items() if found)
-    return QUIET + SELECTED + _without_checks(_without_queries(text)) + "\n".join(choices)
+    return QUIET + SELECTED + _tightened(_without_queries(text)) + "\n".join(choices)
 
 
 def _chosen(block: Block, name: str, laws: Sequence[ca.Function]) -> str:
@@ -140,19 +140,40 @@ def _without_queries(text: str) -> str:
     return re.sub(r"\n{3,}", "\n\n", query.sub("", text))
 
 
-def _without_checks(text: str) -> str:
+def _tightened(text: str) -> str:
     """The code without questions whether an argument or a result was given: the core gives all.
 
-    What other generated functions call may be asked for some of its results.
+    Its lists are apart in memory, too, which is said with `restrict`: several numbers are then read
+    and written at once. What other generated functions call may be asked for some of its results.
     """
     text = re.sub(r"(arg\[\d+\])\? (arg\[\d+\]\[\d+\]) : 0;", r"\2;", text)
     called = set(re.findall(r"if \((casadi_f\d+)\(", text))
 
     def function(match: re.Match[str]) -> str:
-        own = match[1] not in called
-        return re.sub(r"if \(res\[\d+\]!=0\) ", "", match[0]) if own else match[0]
+        if match[1] in called:
+            return match[0]
+        return _apart(match[1], match[2], re.sub(r"if \(res\[\d+\]!=0\) ", "", match[3]))
 
-    return re.sub(r"static int (casadi_f\d+)\(.*?\n\}\n", function, text, flags=re.DOTALL)
+    return re.sub(
+        r"static int (casadi_f\d+)(\(.*?\)) \{\n(.*?)\n\}\n", function, text, flags=re.DOTALL
+    )
+
+
+def _apart(name: str, parameters: str, body: str) -> str:
+    """A function of lists of lists as one of the lists; as it was, if it hands them on."""
+    element = r"\b(arg|res)\[(\d+)\](?=\[\d+\])"
+    own = f"static int {name}{parameters} {{\n{body}\n}}\n"
+    if re.search(r"\b(arg|res)\b", re.sub(element, "", body)):
+        return own
+    lists = sorted({(kind, int(place)) for kind, place in re.findall(element, body)})
+    const = {"arg": "const casadi_real", "res": "casadi_real"}
+    taken = ", ".join(f"{const[kind]}* restrict {kind}{place}" for kind, place in lists)
+    given = ", ".join(f"{kind}[{place}]" for kind, place in lists)
+    return (
+        f"static int {name}_apart({taken or 'void'}) {{\n"
+        + re.sub(element, r"\1\2", body)
+        + f"\n}}\n\nstatic int {name}{parameters} {{\n  return {name}_apart({given});\n}}\n"
+    )
 
 
 def variable_counts(block: Block) -> dict[str, int]:
@@ -234,6 +255,7 @@ def _variables(block: Block, start: Values) -> str:
     reference = block.references
     tables = {
         "VariableInfo VARIABLE_INFO": rows,
+        "uint32_t REFERENCE": [str(n) for n in range(1 + len(reference))],
         "char *const CALCULATED_NAME": _names(calculated),
         "char *const STATE_NAME": _names(block.states),
         "double STATE_NOMINAL": [repr(float(n)) for n in nominals(block)],

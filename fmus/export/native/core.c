@@ -134,15 +134,36 @@ static void store(State *s, uint32_t reference, double value) {
     if (!started(s)) s->states_stale = 1;
 }
 
+/* Whether the references follow each other, all of them among `size` from `first` on: their numbers
+ * are then moved together. Few are moved as fast one by one. */
+static int is_row(const uint32_t *reference, size_t count, uint32_t first, uint32_t size) {
+    return count > 3 && count <= size && reference[0] - first <= size - count &&
+           memcmp(reference, REFERENCE + reference[0], count * sizeof *reference) == 0;
+}
+
+/* Stores numbers of inputs in both lists; how many: up to the first that is of no input or not finite. */
+static inline size_t store_inputs(const uint32_t *reference, size_t count, const double *value, double *one,
+                                  double *other) {
+    size_t i = 0;
+    if (is_row(reference, count, FIRST_INPUT, N_INPUTS))
+        for (uint32_t input = reference[0] - FIRST_INPUT; i + 4 <= count && all_finite(value + i, 4); i += 4) {
+            memcpy(one + input + i, value + i, 4 * sizeof *value);
+            memcpy(other + input + i, value + i, 4 * sizeof *value);
+        }
+    for (; i < count; i++) {
+        uint32_t input = reference[i] - FIRST_INPUT;
+        if (input >= N_INPUTS || !finite_number(value[i])) break;
+        one[input] = other[input] = value[i];
+    }
+    return i;
+}
+
 Status core_set(Instance *instance, const uint32_t *reference, size_t count, const double *value) {
     State *s = &instance->state;
     size_t i = 0;
-    /* Inputs of a run are the hot path: in range of the references and finite. */
-    if (started(s) && count) s->outputs_stale = s->slopes_stale = 1;
-    for (; started(s) && i < count; i++) {
-        uint32_t input = reference[i] - FIRST_INPUT;
-        if (input >= N_INPUTS || !finite_number(value[i])) break;
-        s->value[FIRST_INPUT + input] = s->given[input] = value[i];
+    if (started(s) && count) { /* inputs of a run are the hot path */
+        s->outputs_stale = s->slopes_stale = 1;
+        i = store_inputs(reference, count, value, s->value + FIRST_INPUT, s->given);
     }
     for (; i < count; i++) {
         if (check_settable(instance, reference[i], REAL, value[i]) != OK) return ERROR;
@@ -167,14 +188,10 @@ static Status refuse_rate(Instance *instance, uint32_t reference, double rate) {
 }
 
 Status core_set_rates(Instance *instance, const uint32_t *reference, size_t count, const double *rate) {
-    int takes_rates = instance->interface == CO_SIMULATION;
-    for (size_t i = 0; i < count; i++) {
-        uint32_t input = reference[i] - FIRST_INPUT;
-        if (!takes_rates || input >= N_INPUTS || !finite_number(rate[i]))
-            return refuse_rate(instance, reference[i], rate[i]);
-        instance->state.rate[input] = rate[i];
-    }
-    return OK;
+    size_t i = 0;
+    if (instance->interface == CO_SIMULATION)
+        i = store_inputs(reference, count, rate, instance->state.rate, instance->state.rate);
+    return i == count ? OK : refuse_rate(instance, reference[i], rate[i]);
 }
 
 Status core_set_ahead(Instance *instance, const uint32_t *reference, size_t count, const double *value,
@@ -227,6 +244,10 @@ Status core_get(Instance *instance, const uint32_t *reference, size_t count, dou
         uint32_t r = reference[i];
         if (r - FIRST_OUTPUT < N_OUTPUTS) {
             if (s->outputs_stale && refresh_outputs(instance) != OK) return ERROR;
+            if (is_row(reference + i, count - i, FIRST_OUTPUT, N_OUTPUTS)) {
+                memcpy(value + i, s->value + r, (count - i) * sizeof *value);
+                return OK;
+            }
             for (; i < count && reference[i] - FIRST_OUTPUT < N_OUTPUTS; i++) value[i] = s->value[reference[i]];
             continue;
         }

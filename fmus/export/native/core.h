@@ -42,6 +42,8 @@ typedef struct {
 
 /* Parameters and inputs, by value reference - 1. */
 extern const VariableInfo VARIABLE_INFO[];
+/* All value references: each its own. */
+extern const uint32_t REFERENCE[];
 /* Outputs, local variables and constants, by value reference - FIRST_OUTPUT. */
 extern const char *const CALCULATED_NAME[];
 /* The continuous states come first. */
@@ -78,8 +80,6 @@ typedef struct {
     double lookup[TABLE_ROWS * TABLE_STATIONS + 1];
     /* Of the first outputs by all inputs, where these and the states are now. */
     double slope[N_LED * N_INPUTS + 1];
-    const double *arg[WORK_ARG + 1];
-    double *res[WORK_RES + 1];
     long long iw[WORK_IW + 1];
     double w[WORK_W + 1];
     void *within; /* what the equations keep besides, if they are those of other FMUs */

@@ -22,16 +22,19 @@ const char *first_lost(const double *x, const double *u) {
     return NULL;
 }
 
-/* Calls a generated function; the caller has set the arguments and results. */
-#define CALL(function) function(instance->arg, instance->res, instance->iw, instance->w, 0)
+/* The arguments and results of a generated function, which has room behind them for those that it
+ * calls in turn. Where the compiler puts a function in place, they are gone. */
+#define LISTS                         \
+    const double *arg[WORK_ARG + 1]; \
+    double *res[WORK_RES + 1]
+#define CALL(function) function(arg, res, instance->iw, instance->w, 0)
 
 /* The arguments (x, u, p, d) that most functions begin with. */
-static void common_arguments(Instance *instance, const double *x, const double *u) {
-    State *s = &instance->state;
-    instance->arg[0] = x;
-    instance->arg[1] = u;
-    instance->arg[2] = parameters(s);
-    instance->arg[3] = s->d;
+static inline void common_arguments(const double **arg, State *s) {
+    arg[0] = s->x;
+    arg[1] = inputs(s);
+    arg[2] = parameters(s);
+    arg[3] = s->d;
 }
 
 void forget_caches(Instance *instance) {
@@ -44,8 +47,9 @@ void release_equations(Instance *instance) { (void)instance; }
 static Status refresh_derived(Instance *instance) {
     State *s = &instance->state;
     if (!s->derived_stale) return OK;
-    instance->arg[0] = parameters(s);
-    instance->res[0] = s->d;
+    LISTS;
+    arg[0] = parameters(s);
+    res[0] = s->d;
     CALL(derived);
     if (!all_finite(s->d, N_DERIVED))
         return core_fail(instance, "these parameter values give no finite model; check for zero or "
@@ -59,13 +63,20 @@ Status refresh_states(Instance *instance) {
     State *s = &instance->state;
     if (refresh_derived(instance) != OK) return ERROR;
     if (!s->states_stale) return OK;
-    instance->arg[0] = parameters(s);
-    instance->arg[1] = s->d;
-    instance->arg[2] = inputs(s);
-    instance->res[0] = s->x;
+    LISTS;
+    arg[0] = parameters(s);
+    arg[1] = s->d;
+    arg[2] = inputs(s);
+    res[0] = s->x;
     CALL(initial);
     s->states_stale = 0;
     return OK;
+}
+
+/* The same where nothing is stale most of the time. */
+static inline Status with_states(Instance *instance) {
+    const State *s = &instance->state;
+    return s->derived_stale | s->states_stale ? refresh_states(instance) : OK;
 }
 
 #if TABLE_STATIONS
@@ -77,9 +88,10 @@ static const double *table_node(Instance *instance, double node) {
     int64_t wanted = (int64_t)number;
     int slot = (int)(((wanted % TABLE_SLOTS) + TABLE_SLOTS) % TABLE_SLOTS);
     if (!instance->page_filled[slot] || instance->page_number[slot] != wanted) {
-        instance->arg[0] = &number;
-        instance->arg[1] = instance->state.d;
-        instance->res[0] = instance->page[slot];
+        LISTS;
+        arg[0] = &number;
+        arg[1] = instance->state.d;
+        res[0] = instance->page[slot];
         CALL(page);
         instance->page_number[slot] = wanted;
         instance->page_filled[slot] = 1;
@@ -90,8 +102,9 @@ static const double *table_node(Instance *instance, double node) {
 static Status refresh_lookup(Instance *instance) {
     State *s = &instance->state;
     double station[TABLE_STATIONS];
-    common_arguments(instance, s->x, inputs(s));
-    instance->res[0] = station;
+    LISTS;
+    common_arguments(arg, s);
+    res[0] = station;
     CALL(stations);
     for (int i = 0; i < TABLE_STATIONS; i++) {
         double place = station[i] / TABLE_SPACING, node = floor(place);
@@ -115,13 +128,14 @@ static Status refresh_lookup(Instance *instance) {
 Status refresh_outputs(Instance *instance) {
     State *s = &instance->state;
     if (!s->outputs_stale) return OK;
-    if (refresh_states(instance) != OK || refresh_lookup(instance) != OK) return ERROR;
-    common_arguments(instance, s->x, inputs(s));
-    instance->arg[4] = instance->lookup;
-    instance->res[0] = outputs_of(s);
+    if (with_states(instance) != OK || refresh_lookup(instance) != OK) return ERROR;
+    LISTS;
+    common_arguments(arg, s);
+    arg[4] = instance->lookup;
+    res[0] = outputs_of(s);
 #if HAS_MARGIN
     double margin;
-    instance->res[1] = &margin;
+    res[1] = &margin;
     CALL(outputs);
     if (margin < 0.0) CALL(outputs_beyond);
 #else
@@ -134,8 +148,9 @@ Status refresh_outputs(Instance *instance) {
 Status evaluate_derivatives(Instance *instance, double *rate) {
     if (refresh_states(instance) != OK) return ERROR;
 #if N_CONTINUOUS
-    common_arguments(instance, instance->state.x, inputs(&instance->state));
-    instance->res[0] = rate;
+    LISTS;
+    common_arguments(arg, &instance->state);
+    res[0] = rate;
     CALL(derivative);
     for (int i = 0; i < N_CONTINUOUS; i++)
         if (!finite_number(rate[i]))
@@ -147,9 +162,10 @@ Status evaluate_derivatives(Instance *instance, double *rate) {
 Status evaluate_indicators(Instance *instance, double *indicator) {
     if (refresh_states(instance) != OK) return ERROR;
 #if N_INDICATORS
-    common_arguments(instance, instance->state.x, inputs(&instance->state));
-    instance->arg[4] = instance->state.mode;
-    instance->res[0] = indicator;
+    LISTS;
+    common_arguments(arg, &instance->state);
+    arg[4] = instance->state.mode;
+    res[0] = indicator;
     CALL(event_indicators);
 #endif
     return OK;
@@ -158,9 +174,10 @@ Status evaluate_indicators(Instance *instance, double *indicator) {
 Status evaluate_constants(Instance *instance, double *constant) {
     if (refresh_derived(instance) != OK) return ERROR;
 #if N_CONSTANTS
-    instance->arg[0] = parameters(&instance->state);
-    instance->arg[1] = instance->state.d;
-    instance->res[0] = constant;
+    LISTS;
+    arg[0] = parameters(&instance->state);
+    arg[1] = instance->state.d;
+    res[0] = constant;
     CALL(constants);
 #endif
     return OK;
@@ -171,10 +188,11 @@ Status update_memory(Instance *instance) {
 #if N_MEMORY
     State *s = &instance->state;
     double memory[N_MEMORY], mode[N_MODES + 1];
-    common_arguments(instance, s->x, inputs(s));
-    instance->arg[4] = s->mode;
-    instance->res[0] = memory;
-    instance->res[1] = mode;
+    LISTS;
+    common_arguments(arg, s);
+    arg[4] = s->mode;
+    res[0] = memory;
+    res[1] = mode;
     CALL(memory_after);
     for (int i = 0; i < N_MEMORY; i++)
         if (!finite_number(memory[i]))
@@ -189,7 +207,7 @@ Status update_memory(Instance *instance) {
 /* A step of this many micro steps takes about a second; more are a mistake in the step or the parameters. */
 static const double MOST_MICRO_STEPS = 1e6;
 
-Status core_plan(Instance *instance, double time, double size, long *count) {
+static inline Status plan(Instance *instance, double time, double size, long *count) {
     State *s = &instance->state;
     if (instance->interface != CO_SIMULATION)
         return core_fail(instance, "doStep is for co-simulation, and this instance for model exchange");
@@ -198,10 +216,11 @@ Status core_plan(Instance *instance, double time, double size, long *count) {
     if (!(size >= 0.0) || !finite_number(time + size))
         return core_fail(instance, "doStep from t = %g s by %g s: the step must be finite and not negative",
                          time, size);
-    if (refresh_states(instance) != OK) return ERROR;
+    if (with_states(instance) != OK) return ERROR;
     double largest = size;
-    common_arguments(instance, s->x, inputs(s));
-    instance->res[0] = &largest;
+    LISTS;
+    common_arguments(arg, s);
+    res[0] = &largest;
     CALL(largest_step);
     *count = 1;
     if (size <= largest) return OK;
@@ -214,12 +233,13 @@ Status core_plan(Instance *instance, double time, double size, long *count) {
     return OK;
 }
 
-static void refresh_transition(Instance *instance, double micro) {
+static inline void refresh_transition(Instance *instance, double micro) {
 #if N_TRANSITION
     if (micro == instance->transition_size) return;
-    instance->arg[0] = instance->state.d;
-    instance->arg[1] = &micro;
-    instance->res[0] = instance->transition;
+    LISTS;
+    arg[0] = instance->state.d;
+    arg[1] = &micro;
+    res[0] = instance->transition;
     CALL(transition);
     instance->transition_size = micro;
 #else
@@ -228,25 +248,26 @@ static void refresh_transition(Instance *instance, double micro) {
 #endif
 }
 
-Status core_advance(Instance *instance, double time, double size, long count) {
+static inline Status advance(Instance *instance, double time, double size, long count) {
     State *s = &instance->state;
     double ends[2][N_STATES + N_INPUTS + 1], micro = size / (double)count;
     const double *x = s->x, *u = inputs(s);
+    LISTS;
     refresh_transition(instance, micro);
     for (long i = 0; i < count; i++) {
         double *end = ends[i % 2];
-        instance->arg[0] = x;
-        instance->arg[1] = u;
-        instance->arg[2] = s->rate;
-        instance->arg[3] = parameters(s);
-        instance->arg[4] = s->d;
-        instance->arg[5] = &micro;
-        instance->arg[6] = instance->transition;
-        instance->res[0] = end;
-        instance->res[1] = end + N_STATES;
+        arg[0] = x;
+        arg[1] = u;
+        arg[2] = s->rate;
+        arg[3] = parameters(s);
+        arg[4] = s->d;
+        arg[5] = &micro;
+        arg[6] = instance->transition;
+        res[0] = end;
+        res[1] = end + N_STATES;
 #if HAS_MARGIN
         double margin;
-        instance->res[2] = &margin;
+        res[2] = &margin;
         CALL(step);
         if (margin < 0.0) CALL(step_beyond);
 #else
@@ -255,11 +276,10 @@ Status core_advance(Instance *instance, double time, double size, long count) {
         x = end;
         u = end + N_STATES;
     }
-    const char *lost = first_lost(x, u);
-    if (lost)
+    if (!all_finite(x, N_STATES + N_INPUTS))
         return core_fail(instance, "%s is no longer finite after the step from t = %.17g s by %g s: "
                                    "the coupling or the micro step is unstable; take a smaller step",
-                         lost, time, size);
+                         first_lost(x, u), time, size);
     memcpy(s->x, x, N_STATES * sizeof *x);
     memcpy(inputs(s), u, N_INPUTS * sizeof *u);
     memset(s->rate, 0, sizeof s->rate);
@@ -268,10 +288,17 @@ Status core_advance(Instance *instance, double time, double size, long count) {
     return OK;
 }
 
+Status core_plan(Instance *instance, double time, double size, long *count) {
+    return plan(instance, time, size, count);
+}
+
+Status core_advance(Instance *instance, double time, double size, long count) {
+    return advance(instance, time, size, count);
+}
+
 Status core_step(Instance *instance, double time, double size) {
     long count;
-    if (core_plan(instance, time, size, &count) != OK) return ERROR;
-    return core_advance(instance, time, size, count);
+    return plan(instance, time, size, &count) == OK ? advance(instance, time, size, count) : ERROR;
 }
 
 int continuous_place(const uint32_t *table, uint32_t reference) {
@@ -280,33 +307,13 @@ int continuous_place(const uint32_t *table, uint32_t reference) {
     return -1;
 }
 
-#if N_LED
-/* Whether all that is asked for are slopes of the first outputs by inputs, which one evaluation gives. */
-static int asks_for_slopes(const uint32_t *unknown, size_t unknown_count, const uint32_t *known, size_t known_count) {
-    for (size_t i = 0; i < unknown_count; i++)
-        if (unknown[i] - FIRST_OUTPUT >= N_LED) return 0;
-    for (size_t k = 0; k < known_count; k++)
-        if (known[k] - FIRST_INPUT >= N_INPUTS) return 0;
-    return 1;
-}
-
-static void refresh_slopes(Instance *instance) {
-    State *s = &instance->state;
-    if (!s->slopes_stale) return;
-    common_arguments(instance, s->x, inputs(s));
-    instance->arg[4] = instance->lookup;
-    instance->res[0] = instance->slope;
-    CALL(slopes);
-    s->slopes_stale = 0;
-}
-#endif
-
 /* Whatever is asked for, along the seed. */
 static Status along_seed(Instance *instance, const uint32_t *unknown, size_t unknown_count, const uint32_t *known,
                          size_t known_count, const double *seed, double *sensitivity) {
     State *s = &instance->state;
     double x_seed[N_CONTINUOUS + 1] = {0.0}, u_seed[N_INPUTS + 1] = {0.0};
     double fraction_seed[TABLE_STATIONS + 1], output[N_OUTPUTS + 1], rate[N_CONTINUOUS + 1];
+    LISTS;
     for (size_t i = 0; i < known_count; i++) {
         int input = known[i] - FIRST_INPUT < N_INPUTS;
         int place = input ? (int)(known[i] - FIRST_INPUT) : continuous_place(STATE_REFERENCE, known[i]);
@@ -316,21 +323,21 @@ static Status along_seed(Instance *instance, const uint32_t *unknown, size_t unk
         (input ? u_seed : x_seed)[place] += seed[i];
     }
     if (s->outputs_stale && refresh_lookup(instance) != OK) return ERROR;
-    common_arguments(instance, s->x, inputs(s));
+    common_arguments(arg, s);
 #if TABLE_STATIONS
-    instance->arg[4] = x_seed;
-    instance->arg[5] = u_seed;
-    instance->res[0] = fraction_seed;
+    arg[4] = x_seed;
+    arg[5] = u_seed;
+    res[0] = fraction_seed;
     CALL(stations_forward);
     for (int i = 0; i < TABLE_STATIONS; i++) fraction_seed[i] /= TABLE_SPACING;
-    common_arguments(instance, s->x, inputs(s));
+    common_arguments(arg, s);
 #endif
-    instance->arg[4] = instance->lookup;
-    instance->arg[5] = x_seed;
-    instance->arg[6] = u_seed;
-    instance->arg[7] = fraction_seed;
-    instance->res[0] = output;
-    instance->res[1] = rate;
+    arg[4] = instance->lookup;
+    arg[5] = x_seed;
+    arg[6] = u_seed;
+    arg[7] = fraction_seed;
+    res[0] = output;
+    res[1] = rate;
     CALL(forward);
     for (size_t i = 0; i < unknown_count; i++) {
         int is_output = unknown[i] - FIRST_OUTPUT < N_OUTPUTS;
@@ -344,21 +351,43 @@ static Status along_seed(Instance *instance, const uint32_t *unknown, size_t unk
     return OK;
 }
 
+#if N_LED
+static void refresh_slopes(Instance *instance) {
+    State *s = &instance->state;
+    LISTS;
+    common_arguments(arg, s);
+    arg[4] = instance->lookup;
+    res[0] = instance->slope;
+    CALL(slopes);
+    s->slopes_stale = 0;
+}
+
+/* Slopes of the first outputs by inputs, which one evaluation gives for all calls; whether that is all
+ * that is asked for. */
+static inline int along_slopes(Instance *instance, const uint32_t *unknown, size_t unknown_count,
+                               const uint32_t *known, size_t known_count, const double *seed,
+                               double *sensitivity) {
+    for (size_t k = 0; k < known_count; k++)
+        if (known[k] - FIRST_INPUT >= N_INPUTS) return 0;
+    for (size_t i = 0; i < unknown_count; i++) {
+        uint32_t output = unknown[i] - FIRST_OUTPUT;
+        if (output >= N_LED) return 0;
+        if (instance->state.slopes_stale) refresh_slopes(instance);
+        const double *slope = instance->slope + output * N_INPUTS;
+        double sum = 0.0;
+        for (size_t k = 0; k < known_count; k++) sum += slope[known[k] - FIRST_INPUT] * seed[k];
+        sensitivity[i] = sum;
+    }
+    return 1;
+}
+#endif
+
 Status core_directional(Instance *instance, const uint32_t *unknown, size_t unknown_count,
                         const uint32_t *known, size_t known_count, const double *seed,
                         double *sensitivity) {
-    if (refresh_states(instance) != OK) return ERROR;
+    if (with_states(instance) != OK) return ERROR;
 #if N_LED
-    if (asks_for_slopes(unknown, unknown_count, known, known_count)) {
-        refresh_slopes(instance);
-        for (size_t i = 0; i < unknown_count; i++) {
-            const double *slope = instance->slope + (unknown[i] - FIRST_OUTPUT) * N_INPUTS;
-            double sum = 0.0;
-            for (size_t k = 0; k < known_count; k++) sum += slope[known[k] - FIRST_INPUT] * seed[k];
-            sensitivity[i] = sum;
-        }
-        return OK;
-    }
+    if (along_slopes(instance, unknown, unknown_count, known, known_count, seed, sensitivity)) return OK;
 #endif
     return along_seed(instance, unknown, unknown_count, known, known_count, seed, sensitivity);
 }

@@ -1,7 +1,6 @@
 #include "slave.h"
 
 #include <float.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -61,14 +60,6 @@ Status slave_exit_initialization(Slave *slave) {
 Status slave_reset(Slave *slave) {
     core_reset(slave->core);
     forget_experiment(slave);
-    return OK;
-}
-
-Status slave_check_step(Slave *slave, double time, double size) {
-    double stop = slave->stop;
-    if (time + size > stop + 1e-9 * fabs(stop) + 1e-6 * size) /* what masters lose by rounding */
-        return core_fail(slave->core, "doStep from t = %.17g s by %g s goes past the stop time of %g s", time,
-                         size, stop);
     return OK;
 }
 

@@ -3,6 +3,8 @@
 #ifndef SLAVE_H
 #define SLAVE_H
 
+#include <math.h>
+
 #include "core.h"
 #include "visible.h"
 
@@ -28,8 +30,15 @@ Status slave_experiment(Slave *slave, double start, int stop_defined, double sto
 Status slave_enter_initialization(Slave *slave);
 Status slave_exit_initialization(Slave *slave);
 Status slave_reset(Slave *slave);
+
 /* Whether a step stays within the experiment. */
-Status slave_check_step(Slave *slave, double time, double size);
+static inline Status slave_check_step(Slave *slave, double time, double size) {
+    double stop = slave->stop;
+    if (time + size > stop + 1e-9 * fabs(stop) + 1e-6 * size) /* what masters lose by rounding */
+        return core_fail(slave->core, "doStep from t = %.17g s by %g s goes past the stop time of %g s", time,
+                         size, stop);
+    return OK;
+}
 
 Status slave_save(Slave *slave, void **state);
 Status slave_restore(Slave *slave, const void *state);
