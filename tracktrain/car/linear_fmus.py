@@ -89,7 +89,7 @@ class LinearFmus(LinearMotion):
         with linearised(self._system(speed), record=[]) as model:
             still = model({}).a
             for number in numbers:
-                places = self._places(number)
+                places = self.places(number)
                 if not places:
                     continue
 
@@ -102,7 +102,7 @@ class LinearFmus(LinearMotion):
                 found[number.name] = complex((weights * _slope(matrix, still, number)).sum())
         return found, complex((weights * -moving / speed**2).sum())
 
-    def _places(self, number: Uncertain) -> Places:
+    def places(self, number: Uncertain) -> Places:
         """Where the car has a number, and what follows it, as it is known.
 
         Nowhere if a block has it nowhere: what took its place there holds for the other blocks.

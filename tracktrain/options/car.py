@@ -65,15 +65,15 @@ def speeds_option(name: str, argument: str, default: tuple[str, ...], meaning: s
     )
 
 
-def duration_option(default: str, meaning: str) -> Option:
-    """--duration [s]."""
+def duration_option(example: str, meaning: str, otherwise: str | None = None) -> Option:
+    """--duration [s]; otherwise: what it is when it is not given, instead of the example."""
     return click.option(
         "--duration",
-        type=Quantity("duration", "s", ("s", "min", "ms"), default),
-        default=default,
-        show_default=True,
+        type=Quantity("duration", "s", ("s", "min", "ms"), example),
+        default=None if otherwise else example,
+        show_default=not otherwise,
         metavar="TIME",
-        help=meaning,
+        help=f"{meaning}  [default: {otherwise}]" if otherwise else meaning,
     )
 
 

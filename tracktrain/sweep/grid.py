@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import tempfile
 import time
 from collections.abc import Mapping, Sequence
@@ -15,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 from orchestrator import in_unit, owned
 
 from ..car.hopper import CARS, hopper_car
-from ..columns import file_and_column
 from ..errors import choices
 from ..options.car import fmu_of
 from ..options.chosen import PROFILES, Shape, check_pair
@@ -23,7 +21,7 @@ from ..options.master import USUAL as COUPLED
 from ..terminal import Progress, unseen
 from .axes import QUANTITIES, Axis, Given, SweepError, make_axis, shaped
 from .one import run_one
-from .store import Store
+from .store import Store, held
 from .table import make_table, pace, write_table
 from .workers import processes, rows
 
@@ -128,13 +126,7 @@ def _files(axes: Sequence[Axis], shape: Mapping[str, Any]) -> dict[str, str]:
     given = [*shape.values(), *(value for axis in axes for value in axis.values)]
     for assigned in ("drives", "maps"):
         given += [file for _, _, file in shape[assigned]]
-    named = (str(value) for value in given if isinstance(value, str | Path))
-    paths = {Path(file_and_column(name)[0]) for name in named}
-    return {
-        str(path): hashlib.sha256(path.read_bytes()).hexdigest()
-        for path in sorted(paths)
-        if path.is_file()
-    }
+    return held(given)
 
 
 def _asked(

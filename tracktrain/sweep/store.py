@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from ..columns import file_and_column
 from .axes import SweepError
 from .one import Row
 
@@ -57,6 +59,17 @@ class Store:
                 self.rows[row.pop("run")] = row
                 whole += len(line)
         os.truncate(self._path, whole)
+
+
+def held(given: Iterable[Any]) -> dict[str, str]:
+    """SHA-256 of the files among what runs were given, also as FILE:COLUMN."""
+    named = (str(value) for value in given if isinstance(value, str | Path))
+    paths = {Path(file_and_column(name)[0]) for name in named}
+    return {
+        str(path): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in sorted(paths)
+        if path.is_file()
+    }
 
 
 def _asked(path: Path) -> Mapping[str, Any]:

@@ -7,10 +7,11 @@ import pytest
 from click.testing import CliRunner
 
 import tolerances
-from orchestrator import System, linearise
+from orchestrator import System, linearise, simulate
 from tracktrain.car.hopper import HOPPER, hopper_car
 from tracktrain.cli.main import main
 from tracktrain.scales import FOOT
+from tracktrain.studies.common.car import StudiedCar
 from tracktrain.studies.response.study import response, responses
 
 SPEED = 40 * FOOT
@@ -20,7 +21,8 @@ TINY = ("track", "report_rms", "1e-4 mm")
 @pytest.fixture(scope="module")
 def tiny():
     """A stable speed, on track so smooth that friction sticks and no flange touches."""
-    return response(speeds=[SPEED], duration=30.0, seeds=2, settings=[TINY]).dataset
+    smooth = StudiedCar(settings=[TINY])
+    return response(smooth, speeds=[SPEED], duration=30.0, seeds=2).dataset
 
 
 def band(data, name):
@@ -114,3 +116,41 @@ def test_the_command_says_what_is_wrong_with_a_setting(tmp_path):
     arguments = ["study", "response", "--set", "track.report_rms=0.05", "--out", str(tmp_path)]
     result = CliRunner().invoke(main, arguments)
     assert result.exit_code == 2 and "unit is missing" in result.output
+
+
+LINE = """\
+kind,length [m],radius [m],direction,cant [mm]
+straight,10,,,
+transition,15,,,
+curve,20,400,{way},30
+"""
+
+
+def test_a_line_turned_the_other_way_is_the_same_motion_mirrored(tmp_path):
+    forces = []
+    for way in ("left", "right"):
+        line = tmp_path / f"{way}.csv"
+        line.write_text(LINE.format(way=way))
+        car = StudiedCar(layout=line)
+        assert str(car) == f"loaded car along {way}.csv"
+        system = car.system(speed=15.0, track="perfect")
+        assert system.experiment.stop == pytest.approx(45.0 / 15.0, abs=1.1e-3)
+        run = simulate(system, duration=system.experiment.stop, record=["*.force_y"])
+        forces.append(run.dataset["wheelset_11.force_y"].values)
+    assert np.abs(forces[0]).max() > 1e3
+    assert forces[0] == pytest.approx(-forces[1], rel=1e-6, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--wheel", "worn"], "--wheel alone makes no contact; give --rail, too"),
+        (["--wheel", "wron", "--rail", "crown"], "did you mean worn"),
+        (["--layout", "lost.toml"], "the layout 'lost.toml' cannot be read"),
+    ],
+)
+@pytest.mark.parametrize("study", ["response", "uncertainty"])
+def test_profiles_and_lines_are_refused_in_the_words_of_a_run(tmp_path, study, arguments, said):
+    for command in (["study", study], ["run"]):
+        result = CliRunner().invoke(main, [*command, *arguments, "--out", str(tmp_path)])
+        assert result.exit_code == 2 and said in " ".join(result.output.split())

@@ -10,11 +10,13 @@ import pytest
 from fmus.describe.spread import Spread
 from tracktrain.answer.numbers import bands
 from tracktrain.car.band import QUANTILE, critical_band, first_order
+from tracktrain.car.hopper import HOPPER
 from tracktrain.car.linear import LinearCar
 from tracktrain.car.modes import critical_speeds
 from tracktrain.car.spreads import Uncertain, uncertain
 from tracktrain.errors import TracktrainError
 from tracktrain.scales import FOOT
+from tracktrain.studies.common.car import StudiedCar
 from tracktrain.studies.uncertainty import sample, study
 from tracktrain.studies.uncertainty.design import DESIGNS
 
@@ -136,6 +138,33 @@ def test_a_study_that_was_stopped_goes_on_with_what_is_left(tmp_path, monkeypatc
     assert len(tried) == 30 + (71 - 29)
     assert outcome.tables["causes"].loc["limit_cycle"].index[0] == "conicity"
     assert outcome.tables["bands"].loc["limit_cycle", "5 %"] > 0.04
+
+
+def of_all_wheelsets(name, value):
+    return [(axle.wheelset, name, value) for axle in HOPPER.axles]
+
+
+def test_what_a_car_is_set_to_counts_as_known_and_is_left_as_it_is():
+    steep = StudiedCar(settings=of_all_wheelsets("conicity", "0.1"))
+    _, numbers, known = study._uncertain_of(steep, ["conicity", "warp.stiffness"])
+    assert ([number.name for number in numbers], known) == (["warp.stiffness"], ["conicity"])
+    found = [sample._critical(vars(steep) | {"changes": c}) for c in ({}, {"conicity": 0.2})]
+    assert found[0] == found[1]
+    alone = critical_speed_with({"wheelrail.conicity": 0.1})
+    assert found[0]["critical_speed"][0] == pytest.approx(alone, rel=1e-8)
+    with pytest.raises(TracktrainError, match="has conicity from its profiles or from --set"):
+        study.uncertainty(steep, parameters=["conicity"])
+
+
+def test_a_study_does_not_go_on_with_a_line_that_was_changed(tmp_path, monkeypatch):
+    made = []
+    monkeypatch.setattr(study, "one_car", lambda options: made.append(options) or {"units": {}})
+    monkeypatch.setattr(study, "rows", lambda tasks, work: ((n, work(o)) for n, o in tasks.items()))
+    line = tmp_path / "line.csv"
+    for text in ("one", "one", "another"):
+        line.write_text(text)
+        study._made([{"layout": line, "changes": {}}], tmp_path / "out", lambda share: None)
+    assert len(made) == 2
 
 
 def test_one_car_has_all_numbers_and_a_run_that_fails_says_why():

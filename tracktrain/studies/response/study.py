@@ -13,20 +13,12 @@ from scipy import signal
 
 from orchestrator import Run, Session, System, dominant_frequency, peak, rms, simulate
 
-from ...car.changes import assigned
-from ...car.hopper import hopper_car, layout_of, vehicle
+from ...car.hopper import layout_of, vehicle
 from ...car.layout import Layout, Shown
-from ...options.car import (
-    REPORT_SPEEDS,
-    car_option,
-    duration_option,
-    set_option,
-    speeds_option,
-    track_option,
-)
-from ...options.chosen import Assigned
+from ...options.car import REPORT_SPEEDS, duration_option, speeds_option, track_option
 from ...scales import ANGLE, FOOT, MILE_PER_HOUR, Scale
 from ...terminal import Progress, unseen
+from ..common.car import CarGiven, StudiedCar, of_options, studied, studied_car_options
 from ..common.command import study_command
 from ..common.given import taking
 from ..common.outcome import Outcome
@@ -35,6 +27,9 @@ from .pictures import envelope_figure, history_figures, spectra_figure, transfer
 
 SPEEDS = (60 * FOOT, 80 * FOOT, 100 * FOOT)
 """The report's three speeds [m/s]."""
+
+DURATION = 8.0
+"""Of a run that goes along no line [s]."""
 
 SEEDS = 20
 """Realisations of the track that envelopes are made of."""
@@ -66,40 +61,41 @@ def responses(layout: Layout) -> dict[str, Shown]:
 
 @taking(speeds=["m/s"], duration="s")
 def response(
-    car: str = "loaded",
+    car: CarGiven = "loaded",
     track: str = "report",
     speeds: Sequence[float] = SPEEDS,
-    duration: float = 8.0,
+    duration: float | None = None,
     seeds: int = SEEDS,
-    settings: Sequence[Assigned] = (),
     progress: Progress = unseen,
 ) -> Outcome:
     """Response of the leading axle and the carbody to irregular track, with spectra.
 
     Report Figures 6-1 to 6-6, of the track's realisation 1, and what the report asks for beside
     them: spectra, coherence and transfer function with the alignment under the leading axle.
-    Envelopes are over the realisations 1 to `seeds`. speeds [m/s], duration [s] of each run;
-    settings: changed parameters, as ("track", "report_rms", "0.05 in").
+    Envelopes are over the realisations 1 to `seeds`. speeds [m/s], duration [s] of each run. Along
+    a line runs last as long as the fastest one, and what its curves do is part of all numbers.
     """
-    speeds = sorted(set(speeds))
+    speeds, car = sorted(set(speeds)), studied(car)
+    if duration is None:
+        duration = DURATION if car.layout is None else _to_the_end(car, speeds[-1])
     drawn: list[xr.Dataset] = []
     found: list[list[Spectra]] = []
     with Session() as session:
         for number, speed in enumerate(speeds):
             found.append([])
             for seed in range(1, seeds + 1):
-                system = _car(hopper_car(car, speed, track, seed), settings)
-                run = _run(system, duration, session)
+                system = car.system(speed=speed, track=track, seed=seed, duration=duration)
+                run = _run(system, duration, f"{speed:g} m/s with seed {seed}", session)
                 found[-1].append(_spectra(run))
                 if seed == 1:
                     drawn.append(run.dataset)
                 progress((number * seeds + seed) / (len(speeds) * seeds))
-    shown = responses(vehicle(car).layout)
+    shown = responses(vehicle(car.car).layout)
     data = _dataset(speeds, drawn, found, shown)
     tables = {name: _table(data, name, shown[name].scale) for name in ("force", "displacement")}
     return Outcome(
-        title=f"Response to the track {track}, {car} car, {duration:g} s",
-        dataset=data.assign_attrs(car=car, track=track, duration=duration),
+        title=f"Response to the track {track}, {car}, {duration:g} s",
+        dataset=data.assign_attrs(car=str(car), track=track, duration=duration),
         tables={**tables, **{f"{kind}_envelope": _envelope(data, kind, shown) for kind in KINDS}},
         pictures={
             **history_figures(drawn, speeds, SPEEDS),
@@ -113,10 +109,12 @@ def response(
 
 command = study_command(
     "response",
-    car_option(),
+    studied_car_options,
     track_option("report"),
     speeds_option("--speed", "speeds", REPORT_SPEEDS, "Speed of the train."),
-    duration_option("8s", "Simulated time of each run."),
+    duration_option(
+        "8s", "Simulated time of each run.", "8s, or along a line that of the fastest run"
+    ),
     click.option(
         "--seeds",
         type=click.IntRange(min=1),
@@ -124,13 +122,13 @@ command = study_command(
         show_default=True,
         help="Realisations of the track for the envelopes; the first is drawn.",
     ),
-    set_option(),
     epilog="""\b
 Examples:
   tracktrain study response
   tracktrain study response --car empty --track fra4 --speed "50 mph" --seeds 50
-  tracktrain study response --set track.report_rms="0.05 in" --duration 60s""",
-)(response)
+  tracktrain study response --set track.report_rms="0.05 in" --duration 60s
+  tracktrain study response --wheel worn --rail crown --layout curve.toml --track fra4""",
+)(of_options(response))
 
 
 @dataclass(frozen=True)
@@ -148,19 +146,19 @@ class Spectra:
     segments: int
 
 
-def _car(system: System, settings: Sequence[Assigned]) -> System:
-    for instance, name, value in settings:
-        system = assigned(system, instance, name, value)
-    return system
+def _to_the_end(car: StudiedCar, speed: float) -> float:
+    """How long [s] the car goes along its line at a speed [m/s]."""
+    stop = car.system(speed=speed, track="perfect").experiment.stop
+    assert stop is not None
+    return stop
 
 
-def _run(system: System, duration: float, session: Session) -> Run:
+def _run(system: System, duration: float, what: str, session: Session) -> Run:
     layout = layout_of(system)
     shown = (shown.variable for shown in responses(layout).values())
     wanted = [*shown, *(layout.rails[name] for name in ALIGNMENT), layout.speed]
     run = simulate(system, duration=duration, record=wanted, session=session)
-    given = system.components[layout.track].parameters
-    return completed(run, f"the run at {given['speed']:g} m/s with seed {given['seed']}")
+    return completed(run, f"the run at {what}")
 
 
 def _spectra(run: Run) -> Spectra:

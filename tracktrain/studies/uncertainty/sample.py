@@ -10,13 +10,13 @@ import numpy as np
 
 from orchestrator import dominant_frequency, rms, simulate
 
-from ...car.changes import changed, displaced
-from ...car.hopper import hopper_car, layout_of
-from ...car.linear import LinearCar
+from ...car.changes import displaced
+from ...car.hopper import layout_of
 from ...car.modes import critical_speeds
 from ...failures import PACKAGES, heard
 from ...scales import FOOT
 from ...sweep.one import LOAD_RATIOS, Row, session
+from ..common.car import StudiedCar
 from ..hunting.cycle import observed
 from ..hunting.runs import LARGE
 
@@ -37,8 +37,8 @@ SAME = 0.05
 def one_car(options: Mapping[str, Any]) -> Row:
     """The numbers of a car with other parameters; a run that fails says why under "message".
 
-    options: car, changes [SI] by parameter; speed [m/s], track, seed, and duration [s], of the
-    response and on perfect track.
+    options: those of a `StudiedCar`, changes [SI] by parameter; speed [m/s], track, seed, and
+    duration [s], of the response and on perfect track; of a response along a line, its end.
     """
     row: Row = {"units": {}, "message": ""}
     for part in (_critical, _cycle, _response):
@@ -56,9 +56,13 @@ def one_car(options: Mapping[str, Any]) -> Row:
 Numbers = dict[str, tuple[float, str]]
 
 
+def _car(options: Mapping[str, Any]) -> StudiedCar:
+    return StudiedCar.taken(dict(options))
+
+
 def _critical(options: Mapping[str, Any]) -> Numbers:
     """The lowest speed at which a mode grows; the ends of the search stand for beyond them."""
-    linear = LinearCar(options["car"], options["changes"])
+    linear = _car(options).linear(options["changes"])
     found = critical_speeds(linear, SPEEDS)
     if found:
         first = found[0]
@@ -72,8 +76,9 @@ def _critical(options: Mapping[str, Any]) -> Numbers:
 
 def _cycle(options: Mapping[str, Any]) -> Numbers:
     """Amplitude and frequency of what is left of a push on perfect track."""
-    system = hopper_car(options["car"], options["speed"], "perfect")
-    system = changed(system, options["changes"])
+    system = _car(options).system(
+        options["changes"], along=False, speed=options["speed"], track="perfect"
+    )
     layout = layout_of(system)
     system = displaced(system, layout.front.instance, "lateral", PUSH)
     motion = observed(layout)
@@ -96,12 +101,18 @@ def _cycle(options: Mapping[str, Any]) -> Numbers:
 
 def _response(options: Mapping[str, Any]) -> Numbers:
     """Rms of what a run prints, and the largest L/V of any wheel."""
-    system = hopper_car(options["car"], options["speed"], options["track"], options["seed"])
-    system = changed(system, options["changes"])
+    car = _car(options)
+    shape = {name: options[name] for name in ("speed", "track", "seed")}
+    if car.layout is None:
+        shape["duration"] = options["duration"]
+    system = car.system(options["changes"], **shape)
     shown = [s for s in layout_of(system).quantities.values() if not s.variable.endswith(RATIO)]
     names = [s.variable for s in shown]
     run = simulate(
-        system, duration=options["duration"], record=[*names, LOAD_RATIOS], session=session()
+        system,
+        duration=system.experiment.stop,
+        record=[*names, LOAD_RATIOS],
+        session=session(),
     )
     if not heard(run).completed:
         raise RuntimeError(str(run.message))

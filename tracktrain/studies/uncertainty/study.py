@@ -19,15 +19,18 @@ from fmus.catalogue import source_hash
 from orchestrator import owned
 
 from ...car.band import Band, critical_band
-from ...car.linear import LinearCar
+from ...car.linear_fmus import LinearFmus
+from ...car.linear_motion import LinearMotion
 from ...car.modes import critical_speeds
 from ...car.spreads import Uncertain, uncertain
-from ...options.car import car_option, speed_option
+from ...errors import TracktrainError
+from ...options.car import speed_option
 from ...scales import MILE_PER_HOUR
 from ...sweep.one import Row
-from ...sweep.store import Store
+from ...sweep.store import Store, held
 from ...sweep.workers import rows
 from ...terminal import Progress, unseen
+from ..common.car import CarGiven, StudiedCar, of_options, studied, studied_car_options
 from ..common.command import study_command
 from ..common.given import taking
 from ..common.outcome import Outcome
@@ -48,7 +51,7 @@ PLAIN = ("hunts", "settled", "critical_frequency", "limit_cycle_frequency")
 
 @taking(speed="m/s")
 def uncertainty(
-    car: str = "loaded",
+    car: CarGiven = "loaded",
     speed: float = 50 * MILE_PER_HOUR,
     runs: int = 500,
     method: str = "latin",
@@ -64,10 +67,13 @@ def uncertainty(
     are twice as many runs. Bands from 5 to 95 %, each number's share of the variance, and what
     would be left if it were measured. method: `latin`, a Latin hypercube and first-order shares
     (RBD-FAST) of any number of `parameters`; `sobol`, first-order and total shares of a few.
-    Beside the critical speed's band stands that by exact derivatives. Each car is kept as soon as
-    it is done: the same study in the same folder goes on where it was stopped.
+    Beside the critical speed's band stands that by exact derivatives. What profiles or settings
+    give counts as known; along a line goes the response alone, to the line's end. Each car is kept
+    as soon as it is done: the same study in the same folder goes on where it was stopped.
     """
-    numbers = uncertain(car, list(parameters) or ["*"])
+    car = studied(car)
+    linear, numbers, known = _uncertain_of(car, list(parameters) or ["*"])
+    car.system(speed=speed)  # so that a line that cannot be run is told before all
     design = DESIGNS[method]
     points = design.points(len(numbers), runs, seed)
     values = np.column_stack(
@@ -75,7 +81,7 @@ def uncertainty(
     )
     cars = [{}, *(_changes(numbers, row) for row in values)]
     shared = {
-        "car": car, "speed": speed, "track": TRACK, "seed": TRACK_SEED, "duration": DURATION,
+        **vars(car), "speed": speed, "track": TRACK, "seed": TRACK_SEED, "duration": DURATION,
     }  # fmt: skip
     made = _made([shared | {"changes": changes} for changes in cars], folder, progress)
     table = _table(made)
@@ -83,10 +89,10 @@ def uncertainty(
     indices = {
         name: design.indices(points, table[name].to_numpy()[1:], seed) for name in quantities
     }
-    band = _linear_band(car, numbers)
+    band = _linear_band(linear, numbers)
     causes = _causes(numbers, indices)
     return Outcome(
-        title=f"How certain: {len(points)} cars like the {car} one at "
+        title=f"How certain: {len(points)} cars like the {car} at "
         f"{speed / MILE_PER_HOUR:.3g} mph, {len(numbers)} numbers in their ranges",
         dataset=_dataset(numbers, values, table, indices, made),
         tables={
@@ -95,14 +101,18 @@ def uncertainty(
             "critical_speed": _beside(numbers, indices["critical_speed"], band),
         },
         pictures={"bands": bands_figure(table, band), "causes": causes_figure(causes)},
-        notes=[*_compared(table, band), *_notes(table, made, causes, method)],
+        notes=[
+            *_compared(table, band),
+            *_notes(table, made, causes, method),
+            *_said_of_car(car, known),
+        ],
         files={"ranges.csv": _ranges(numbers).to_csv().encode()},
     )
 
 
 command = study_command(
     "uncertainty",
-    car_option(),
+    studied_car_options,
     speed_option("50 mph"),
     click.option(
         "--runs", type=click.IntRange(1), default=500, show_default=True, help="Cars to try."
@@ -129,7 +139,7 @@ Examples:
   tracktrain study uncertainty --car empty --runs 200
   tracktrain study uncertainty --method sobol --runs 640 --parameters conicity \\
     --parameters longitudinal_creep_coefficient --parameters "warp.friction*\"""",
-)(uncertainty)
+)(of_options(uncertainty))
 
 
 def _changes(numbers: Sequence[Uncertain], values: Array) -> dict[str, float]:
@@ -141,8 +151,9 @@ def _changes(numbers: Sequence[Uncertain], values: Array) -> dict[str, float]:
 
 def _made(cars: Sequence[Mapping[str, Any]], folder: Path | None, progress: Progress) -> list[Row]:
     """A row for each car; those that the folder has of this same study are taken from it."""
-    asked = {"cars": list(cars), "made by": source_hash()}
-    digest = hashlib.sha256(json.dumps(asked).encode()).hexdigest()[:12]
+    files = held(value for options in cars[:1] for value in options.values())
+    asked = {"cars": list(cars), "made by": source_hash(), "files": files}
+    digest = hashlib.sha256(json.dumps(asked, default=str).encode()).hexdigest()[:12]
     with ExitStack() as stack:
         place = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
         place = place / f"cars-{digest}"
@@ -162,8 +173,35 @@ def _table(made: Sequence[Row]) -> pd.DataFrame:
     return pd.DataFrame(columns, dtype=float)
 
 
-def _linear_band(car: str, numbers: Sequence[Uncertain]) -> Band | None:
-    linear = LinearCar(car)
+def _uncertain_of(
+    car: StudiedCar, patterns: Sequence[str]
+) -> tuple[LinearMotion, list[Uncertain], list[str]]:
+    """The car for small motion, its uncertain numbers, and names of those that count as known."""
+    linear, numbers = car.linear(), uncertain(car.car, patterns)
+    if not isinstance(linear, LinearFmus):
+        return linear, numbers, []
+    left = [number for number in numbers if linear.places(number)]
+    known = [number.name for number in numbers if number not in left]
+    if not left:
+        raise TracktrainError(
+            f"the {car} has {', '.join(known)} from its profiles or from --set, so that nothing is "
+            "uncertain; give other --parameters"
+        )
+    return linear, left, known
+
+
+def _said_of_car(car: StudiedCar, known: Sequence[str]) -> list[str]:
+    said = []
+    if known:
+        said.append(f"from profiles or --set, and so taken as known: {', '.join(known)}")
+    if car.layout is not None:
+        said.append(
+            "the line is that of the response; critical speed and cycle are of the straight"
+        )
+    return said
+
+
+def _linear_band(linear: LinearMotion, numbers: Sequence[Uncertain]) -> Band | None:
     found = critical_speeds(linear, SPEEDS)
     return critical_band(linear, found[0], numbers) if found else None
 

@@ -1,0 +1,93 @@
+"""The car that a study runs: one of ours, on profiles and along a line where that is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import wraps
+from pathlib import Path
+from typing import Any
+
+from orchestrator import System
+
+from ...car.changes import assigned, changed
+from ...car.hopper import SPEED
+from ...car.linear import LinearCar
+from ...car.linear_fmus import LinearFmus
+from ...car.linear_motion import LinearMotion
+from ...options.car import car_option, layout_option, rail_option, set_option, wheel_option
+from ...options.chosen import Assigned, Shape, chosen_car
+from ...options.fields import adding
+from .outcome import Outcome
+
+NO_CHANGES: Mapping[str, float] = {}
+
+
+@dataclass(frozen=True)
+class StudiedCar:
+    """A car of `CARS`, and what it has instead of cones, straight track and its parameters' values.
+
+    wheel, rail, layout, settings: as `tracktrain run` takes them.
+    """
+
+    car: str = "loaded"
+    wheel: str | None = None
+    rail: str | None = None
+    layout: str | Path | None = None
+    settings: Sequence[Assigned] = ()
+
+    @classmethod
+    def taken(cls, options: dict[str, Any]) -> StudiedCar:
+        """Take what the options say out of a command's."""
+        return cls(**{f.name: options.pop(f.name) for f in fields(cls) if f.name in options})
+
+    def system(
+        self, changes: Mapping[str, float] = NO_CHANGES, along: bool = True, **shape: Any
+    ) -> System:
+        """The car with its experiment; changes: as of `car.changes.changed`.
+
+        along: its layout, and not straight track. shape: more of `Shape`. Settings stand above
+        changes. Raises as `chosen_car`.
+        """
+        own = {f.name: getattr(self, f.name) for f in fields(self)}
+        if self.layout is not None:
+            own["layout"] = Path(self.layout) if along else None
+        system = changed(chosen_car(Shape.taken(own | shape)), changes)
+        for instance, name, value in self.settings if changes else ():
+            system = assigned(system, instance, name, value)
+        return system
+
+    def linear(self, changes: Mapping[str, float] = NO_CHANGES) -> LinearMotion:
+        """For small motion on straight track."""
+        if self.wheel is None and not self.settings:
+            return LinearCar(self.car, changes)
+        return LinearFmus.of(self.system(changes, along=False, speed=SPEED, track="perfect"))
+
+    def __str__(self) -> str:
+        pair = " and ".join(Path(name).stem for name in (self.wheel, self.rail) if name is not None)
+        on = f" on {pair}" if pair else ""
+        line = f" along {Path(self.layout).name}" if self.layout is not None else ""
+        return f"{self.car} car{on}{line}"
+
+
+CarGiven = str | StudiedCar
+
+
+def studied(car: CarGiven) -> StudiedCar:
+    """A car by its name is one on cones."""
+    return car if isinstance(car, StudiedCar) else StudiedCar(car)
+
+
+studied_car_options = adding(
+    (car_option(), wheel_option(), rail_option(), layout_option(), set_option())
+)
+
+
+def of_options(study: Callable[..., Outcome]) -> Callable[..., Outcome]:
+    """A study that takes what `studied_car_options` say."""
+
+    @wraps(study)
+    def call(**given: Any) -> Outcome:
+        return study(car=StudiedCar.taken(given), **given)
+
+    return call
