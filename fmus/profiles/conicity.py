@@ -14,6 +14,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ..errors import ParameterError
+from ..wheelrail.contact_table import ContactTable
 from .profile import Array
 
 FINE = 1e-5
@@ -28,6 +29,21 @@ class RadiusDifference:
 
     shift: Array
     difference: Array
+
+    @classmethod
+    def of_table(cls, table: ContactTable) -> RadiusDifference:
+        """Of the treads, where both have contacts."""
+        left, right = (side.tread for side in table.sides.values())
+        first = max(left.over[0], -right.over[-1])
+        last = min(left.over[-1], -right.over[0])
+        nodes = np.union1d(left.over, -right.over)
+        shift = nodes[(nodes >= first) & (nodes <= last)]
+        on_left = np.interp(shift, left.over, left.radius)
+        return cls(shift, on_left - np.interp(-shift, right.over, right.radius))
+
+    def at(self, shift: float) -> float:
+        """The difference at a shift, both [m]."""
+        return float(np.interp(shift, self.shift, self.difference))
 
     @cached_property
     def middle(self) -> float:

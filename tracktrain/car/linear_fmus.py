@@ -14,9 +14,10 @@ from fmus.catalogue import fmu_path, parameters
 from orchestrator import Component, System, Value, describe, in_unit, linearise, linearised
 
 from .hopper import layout_of
-from .layout import Layout
+from .layout import SIDES, Layout
 from .linear_motion import Array, LinearMotion
 from .spreads import Uncertain
+from .wheelsets import line_of
 
 SPEEDS = (10.0, 40.0)
 """Two speeds [m/s]: a creepage is a motion over the speed, so that A = B + C/V, whatever the creep
@@ -30,7 +31,8 @@ SAME = 1e-9
 
 
 class LinearFmus(LinearMotion):
-    """dx/dt = A x of a car on perfect track, flange open, all friction stuck.
+    """dx/dt = A x of a car on perfect track, flange open, all friction stuck, about the lines on
+    which its wheelsets run straight.
 
     given: parameters by instance, as its FMU has them; what is not given is as in the FMU. body:
     modal data of the carbody and its FMU, where it is not the default one. fmus: by instance, of
@@ -128,11 +130,23 @@ class LinearFmus(LinearMotion):
         found = linearise(self._system(speed), record=[])
         return found.a, found.states
 
+    @cached_property
+    def _rails(self) -> Mapping[str, Mapping[str, float]]:
+        """Where each wheelset's rails are [m], so that it runs straight with its middle at 0."""
+        lines = {
+            axle.wheelset: line_of(Path(str(self._components[axle.wheelset].fmu)))
+            for axle in self.layout.axles
+        }
+        return {
+            name: {f"rail_y_{side}": -line for side in SIDES} if line else {}
+            for name, line in lines.items()
+        }
+
     def _system(self, speed: float) -> System:
         components = dict(self._components)
-        for axle in self.layout.axles:
-            own = components[axle.wheelset]
-            components[axle.wheelset] = Component(own.fmu, {**own.parameters, "speed": speed})
+        for name, rails in self._rails.items():
+            own = components[name]
+            components[name] = Component(own.fmu, {**own.parameters, **rails, "speed": speed})
         track = f"{self.layout.track}."
         links = [c for c in self.layout.connections() if not c.source.startswith(track)]
         return System(components, tuple(links))

@@ -6,8 +6,11 @@ import zipfile
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from fmus.errors import ParameterError
 from fmus.export.wheelrail import wheelrail_fmu
+from fmus.profiles.conicity import RadiusDifference
 from fmus.wheelrail.contact_table import IN_FMU, ContactTable, of_text
 from fmus.wheelrail.profiled import FROM_TABLE
 from orchestrator import System, in_unit
@@ -18,6 +21,9 @@ from .kept import keep
 
 SPACING_TOLERANCE = 0.02
 """Part by which the contacts may be elsewhere than the trucks have them before it is said."""
+
+EQUAL = 1e-6
+"""Difference of rolling radii [m] up to which they are equal."""
 
 
 def nominal_radius(system: System) -> float:
@@ -41,6 +47,28 @@ def of_fmu(path: Path) -> ContactTable:
         ) from None
 
 
+def rolling_line(table: ContactTable) -> float:
+    """Shift of a wheelset to the left at which it runs straight [m].
+
+    0 for alike sides, else where the rolling radii are equal, or least unlike where they are equal
+    nowhere on the treads.
+    """
+    if table.right is None:
+        return 0.0
+    radii = RadiusDifference.of_table(table)
+    try:
+        return radii.middle
+    except ParameterError:
+        return float(radii.shift[np.abs(radii.difference).argmin()])
+
+
+def line_of(fmu: Path) -> float:
+    """The rolling line of a wheelset's FMU [m]; 0 of one that is not on profiles."""
+    with zipfile.ZipFile(fmu) as archive:
+        on_profiles = IN_FMU in archive.namelist()
+    return rolling_line(of_fmu(fmu)) if on_profiles else 0.0
+
+
 def with_profiles(system: System, pair: ContactTable | Path) -> tuple[System, list[str]]:
     """The car with all four wheelsets on the profiles of a table, or of its FMU; and notes.
 
@@ -57,7 +85,24 @@ def with_profiles(system: System, pair: ContactTable | Path) -> tuple[System, li
         components = {**system.components, instance: replace(coned, parameters=kept)}
         system, said = swapped(replace(system, components=components), instance, fmu)
         notes += said
-    return system, [*notes, *_elsewhere(system, table)]
+    return system, [*notes, *_off_centre(table), *_elsewhere(system, table)]
+
+
+def _off_centre(table: ContactTable) -> list[str]:
+    """What is to be said where a wheelset does not run in the middle."""
+    if table.right is None:
+        return []
+    radii, line = RadiusDifference.of_table(table), rolling_line(table)
+    if abs(radii.at(line)) > EQUAL:
+        return [
+            f"the rolling radii of {table.name} are equal nowhere on the treads, at "
+            f"{1e3 * line:+.3g} mm {1e3 * radii.at(line):+.3g} mm unlike: a free wheelset runs "
+            "against a flange"
+        ]
+    return [
+        f"a free wheelset runs {1e3 * line:+.3g} mm off the middle (left above zero), where the "
+        "rolling radii are equal"
+    ]
 
 
 def _elsewhere(system: System, table: ContactTable) -> list[str]:

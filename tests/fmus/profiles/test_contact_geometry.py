@@ -7,7 +7,7 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 import pytest
-from scipy.optimize import root
+from scipy.optimize import brentq, root
 
 from fmus.errors import ParameterError
 from fmus.profiles.conicity import RadiusDifference
@@ -122,6 +122,21 @@ def test_a_table_of_unlike_cones_has_both_sides_in_closed_form(unlike):
             row = np.abs(own.tread.over - sign * shift).argmin()
             assert own.tread.roll[row] == pytest.approx(sign * roll, abs=1e-11)
             assert own.tread.radius[row] == pytest.approx(radius, abs=1e-11)
+
+
+def test_unlike_cones_run_where_radii_are_equal_in_closed_form(unlike):
+    _, track, table = unlike
+    centre = GAUGE / 2 + float(np.ptp(track.left.points[:, 0])) / 2
+
+    def difference(shift):
+        _, left, right = on_circles_unlike(TAPERS, RADII, 0.3, centre, shift)
+        return left - right
+
+    line, found = brentq(difference, -0.01, 0.01), RadiusDifference.of_table(table)
+    assert found.middle == pytest.approx(line, abs=1e-7)
+    assert abs(line) > 5e-3
+    slope = (difference(line + 1e-3) - difference(line - 1e-3)) / 2e-3
+    assert found.by_integration(1e-3) == pytest.approx(slope / 2, rel=1e-4)
 
 
 def test_the_table_of_a_mirrored_wheelset_has_its_sides_exchanged(unlike):

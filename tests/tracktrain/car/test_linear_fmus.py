@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 import tolerances
-from support.contact_tables import cone
+from support.contact_tables import circles, cone
 from tracktrain.car.band import critical_band
 from tracktrain.car.hopper import HOPPER, hopper_car, parameters_of
 from tracktrain.car.linear import LinearCar
 from tracktrain.car.linear_fmus import LinearFmus
 from tracktrain.car.modes import critical_speeds, growing
 from tracktrain.car.spreads import uncertain
-from tracktrain.car.wheelsets import with_profiles
+from tracktrain.car.wheelsets import rolling_line, with_profiles
 
 GRID = np.linspace(5.0, 45.0, 9)
 BAND = 1e-6
@@ -113,3 +113,24 @@ def test_steeper_cones_have_a_lower_band(on_cones):
     numbers = uncertain("loaded")
     flat, steep = (band_of(LinearFmus.of(on_cones[taper]), numbers) for taper in (0.05, 0.1))
     assert steep.low < flat.low and steep.centre < flat.centre and steep.high < flat.high
+
+
+def moved(table, side):
+    """A table whose contacts lie 1 mm further to the left, as seen from that side."""
+    tread = table.tread
+    return replace(table, tread=replace(tread, over=tread.over + side * 1e-3))
+
+
+@pytest.mark.slow
+def test_a_wheelset_whose_sides_differ_is_linear_about_where_it_runs_straight():
+    """Contacts that all lie 1 mm further to the left have the car do so, and no more."""
+    plain = circles(0.4, 0.3, 0.05)
+    unlike = replace(moved(plain, 1), right=moved(plain, -1))
+    assert rolling_line(unlike) == pytest.approx(1e-3, abs=1e-12)
+    systems, notes = zip(
+        *(with_profiles(hopper_car("loaded"), table) for table in (plain, unlike)), strict=True
+    )
+    assert not any("off the middle" in note for note in notes[0])
+    assert any("runs +1 mm off the middle" in note for note in notes[1])
+    one, other = (LinearFmus.of(system).matrix(20.0) for system in systems)
+    assert other == pytest.approx(one, abs=1e-9 * np.abs(one).max())
