@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from ..errors import ParameterError
 from .profile import Array, Profile
-from .trace import PlacedRail, Points, Wheel
+from .trace import PlacedRail, Points, Touch, Wheel
 
 SIDES = {"left": 1, "right": -1}
 """Sides, with the sign of their y."""
@@ -18,6 +18,12 @@ ROLL_STEPS = 12
 """Newton steps for the roll at which both wheels touch."""
 ROLL_LEFT = 1e-13
 """Difference of the gaps [m] at which both wheels are said to touch."""
+ROLL_FOUND = 1e-9
+"""The same [m], from which on Newton's steps are taken not to have ended."""
+FARTHEST_ROLL, ROLL_STEP, ROLL_HALVINGS = 25e-3, 0.25e-3, 36
+"""From where, by what steps, and then how often halved, a roll is looked for from above [rad]."""
+STEEP_SHIFTS, STEEP_ROLLS = 9, 60
+"""Shifts of a steep flange, and rolls below that of rest, at which its contact is looked for."""
 APART = 2e-3
 """Distance of two contacts on one wheel [m], at least."""
 HALVINGS = 14
@@ -197,25 +203,117 @@ def contact_geometry(
     return _solved(wheelset, track, shift, yaw, np.zeros_like(shift))
 
 
+def climbing_geometry(
+    wheelset: Wheelset, track: Track, shifts: Sequence[float] | Array, yaw: float = 0.0
+) -> ContactGeometry:
+    """The same from the shift at which the left flange touches, rising.
+
+    Up a flange steeper than arctan(distance of the contacts / 2 / radius) the wheelset rolls away
+    faster than it climbs, so that no contact there is stable at a given shift. Such a flange is
+    given at its first shift where it is steepest of the next two, and then where the wheelset rests
+    above that.
+    """
+    geometry = contact_geometry(wheelset, track, shifts, yaw)
+    shift = geometry.shift
+    near = np.linspace(shift[0], shift[2], STEEP_SHIFTS)
+    roll = _from_above(wheelset, track, near, yaw) - ROLL_STEP * np.arange(1, STEEP_ROLLS)[:, None]
+    sides = _touching(wheelset, track, np.tile(near, len(roll)), yaw, roll.ravel())
+    free = (sides[0].gap > sides[1].gap).reshape(roll.shape)
+    if not free.any():
+        return geometry
+    near, roll = near[free.any(axis=0)], roll[free.argmax(axis=0), np.arange(free.shape[1])]
+    roll = roll[free.any(axis=0)]
+    steep = _resting(
+        wheelset, track, near, yaw, _between(wheelset, track, near, yaw, (roll + ROLL_STEP, roll))
+    )
+    row = int(np.abs(steep.left.angle).argmax())
+    met, rolls = shift.copy(), _from_above(wheelset, track, shift, yaw)
+    met[0], rolls[0] = near[row], steep.roll[row]
+    return replace(_resting(wheelset, track, met, yaw, rolls), shift=shift)
+
+
 def _solved(
     wheelset: Wheelset, track: Track, shift: Array, yaw: float, roll: Array
 ) -> ContactGeometry:
     """The same from a first guess of the roll."""
-    for _ in range(ROLL_STEPS):
-        sides = [
-            wheel.touch(rail, sign * shift, sign * roll, sign * yaw)
-            for wheel, rail, sign in zip(wheelset.wheels, track.rails, SIDES.values(), strict=True)
-        ]
-        gap = sides[0].gap - sides[1].gap
-        if (lost := np.flatnonzero(~np.isfinite(gap))).size:
-            _refuse(wheelset, track, float(shift[lost[np.abs(shift[lost]).argmin()]]))
-        if np.abs(gap).max() < ROLL_LEFT:
-            break
-        roll = roll - gap / (sides[0].gap_per_roll + sides[1].gap_per_roll)
+    return _resting(wheelset, track, shift, yaw, _rolled(wheelset, track, shift, yaw, roll))
+
+
+def _resting(
+    wheelset: Wheelset, track: Track, shift: Array, yaw: float, roll: Array
+) -> ContactGeometry:
+    """The same at the rolls at which both wheels touch."""
+    sides = _touching(wheelset, track, shift, yaw, roll)
     let_down = (sides[0].gap + sides[1].gap) / 2
     first = [side.points(side.s, side.gap) for side in sides]
     second = [side.points(side.second(APART), let_down) for side in sides]
     return ContactGeometry(wheelset, track, shift, yaw, roll, -let_down, *first, *second)
+
+
+def _touching(
+    wheelset: Wheelset, track: Track, shift: Array, yaw: float, roll: Array
+) -> tuple[Touch, Touch]:
+    """How the left and the right wheel come down on their rails."""
+    left, right = (
+        wheel.touch(rail, sign * shift, sign * roll, sign * yaw)
+        for wheel, rail, sign in zip(wheelset.wheels, track.rails, SIDES.values(), strict=True)
+    )
+    return left, right
+
+
+def _rolled(wheelset: Wheelset, track: Track, shift: Array, yaw: float, roll: Array) -> Array:
+    """The roll at which both wheels touch, by Newton's steps from a first guess.
+
+    A steep flange pushes the roll away from where both touch: there, and where the steps do not
+    end, the wheelset rests where it comes down from above.
+    """
+    left = np.zeros(len(shift), dtype=bool)
+    for step in range(ROLL_STEPS):
+        sides = _touching(wheelset, track, shift, yaw, roll)
+        gap, slope = (
+            sides[0].gap - sides[1].gap,
+            sides[0].gap_per_roll + sides[1].gap_per_roll,
+        )
+        left |= ~np.isfinite(gap)
+        if step == 0 and left.any():
+            rows = np.flatnonzero(left)
+            _refuse(wheelset, track, float(shift[rows[np.abs(shift[rows]).argmin()]]))
+        if np.abs(np.where(left, 0.0, gap)).max() < ROLL_LEFT:
+            break
+        roll = np.where(left, roll, roll - gap / slope)
+    left |= (np.abs(gap) > ROLL_FOUND) | (slope <= 0)
+    if left.any():
+        roll[left] = _from_above(wheelset, track, shift[left], yaw)
+    return roll
+
+
+def _from_above(wheelset: Wheelset, track: Track, shift: Array, yaw: float) -> Array:
+    """The largest roll at which both touch, the nearer rail's side high."""
+    side = np.where(shift < 0, -1.0, 1.0)
+    low, rows = np.full(len(shift), FARTHEST_ROLL), np.arange(len(shift))
+    while rows.size and low.min() > -FARTHEST_ROLL:
+        low[rows] -= ROLL_STEP
+        sides = _touching(wheelset, track, shift[rows], yaw, (side * low)[rows])
+        rows = rows[~(side[rows] * (sides[0].gap - sides[1].gap) <= 0)]
+    if rows.size:
+        _refuse(wheelset, track, float(shift[rows[0]]))
+    return _between(wheelset, track, shift, yaw, (side * low, side * (low + ROLL_STEP)))
+
+
+def _between(
+    wheelset: Wheelset, track: Track, shift: Array, yaw: float, ends: tuple[Array, Array]
+) -> Array:
+    """The roll at which both touch by bisection; ends: rolls at one of which, the first, it is the
+    nearer rail's wheel that overlaps."""
+    side = np.where(shift < 0, -1.0, 1.0)
+    overlapping, free = ends
+    for _ in range(ROLL_HALVINGS):
+        middle = (overlapping + free) / 2
+        sides = _touching(wheelset, track, shift, yaw, middle)
+        beneath = side * (sides[0].gap - sides[1].gap) <= 0
+        overlapping = np.where(beneath, middle, overlapping)
+        free = np.where(beneath, free, middle)
+    return np.asarray((overlapping + free) / 2)
 
 
 def _jumps(geometry: ContactGeometry) -> list[Jump]:

@@ -8,7 +8,15 @@ import numpy as np
 
 from ..errors import ParameterError
 from ..wheelrail.contact_table import ContactTable, Patch
-from .geometry import SIDES, ContactGeometry, Jump, Track, Wheelset, contact_geometry
+from .geometry import (
+    SIDES,
+    ContactGeometry,
+    Jump,
+    Track,
+    Wheelset,
+    climbing_geometry,
+    contact_geometry,
+)
 from .profile import Array
 from .trace import Points
 
@@ -24,6 +32,8 @@ OFF_TREAD = 0.01
 """Rolling radius less the nominal one [m] that no tread has."""
 FARTHEST, SEARCH = 0.025, 2.5e-4
 """Largest shift, and steps [m] at which the flange's contact is looked for."""
+RISEN = 1e-4
+"""Roll [rad] from a tread's last contact to a flange's first from which on they are not one."""
 ELASTIC = 2e-5
 """Gap [m] over which a second contact on a tread that jumps loses its part to e^-1: some part of
 the 0.1 mm by which wheel and rail approach each other under a wheel load."""
@@ -85,6 +95,12 @@ def _of_left(
         )
     if straight.flange is None:
         said.append("the wheel has no flange")
+    elif straight.snaps:
+        steep, above = np.degrees(np.abs(straight.flange.left.angle[:2]))
+        said.append(
+            f"the flange is so steep, {steep:.3g} deg, that the wheelset rolls away from it as it "
+            f"climbs: it comes to rest at once above that, at {above:.3g} deg"
+        )
     tables = [node.table(means=jumping is not None) for node in nodes]
     if yaw:
         ends = " to ".join(f"{table.clearance * 1e3:.3f}" for table in (tables[0], tables[-1]))
@@ -121,7 +137,7 @@ class _Solved:
         """begins: what `flange_begins` has."""
         clearance, jump = begins or (float(over[-1]), None)
         tread = contact_geometry(wheelset, track, over, yaw)
-        flange = contact_geometry(wheelset, track, clearance + climb, yaw) if begins else None
+        flange = climbing_geometry(wheelset, track, clearance + climb, yaw) if begins else None
         return cls(clearance, jump, over, climb, tread, flange)
 
     def yawed(self, yaw: float) -> _Solved:
@@ -137,6 +153,12 @@ class _Solved:
         last = self.clearance - (self.over[1] - self.over[0])
         return [j for j in self.tread.jumps if j.side == "left" and j.shift < last]
 
+    @property
+    def snaps(self) -> bool:
+        """Whether the flange is so steep that the wheelset rests above its steep part at once."""
+        risen = self.flange.roll[0] - self.tread.roll[-1] if self.flange is not None else 0.0
+        return bool(risen > RISEN)
+
     def table(self, means: bool) -> ContactTable:
         """means: over all places of a tread on which the contact jumps."""
         wheelset, track = self.tread.wheelset, self.tread.track
@@ -147,7 +169,8 @@ class _Solved:
             points = _with(self.tread.left, -1, self.jump.before if self.jump else None)
         tread, flange = _patch(self.tread, points, self.over, resting), None
         if self.flange is not None:
-            points = _with(self.flange.left, 0, self.jump.after if self.jump else None)
+            met = self.jump.after if self.jump and not self.snaps else None
+            points = _with(self.flange.left, 0, met)
             climbed = self.flange.shift - self.clearance
             flange = _patch(self.flange, points, climbed, resting)
         name = f"{wheelset.left.name} on {track.left.name}"

@@ -26,7 +26,8 @@ class Drawn:
 
     lines: of the points. kind, y_positive, z_positive: as far as the form says them. by_shape:
     where the form leaves the axes open and the shape tells them. said: what comment lines say, with
-    their place. notes: what was done. remarks: other comments.
+    their place. notes: what was done. remarks: other comments. left: points of the left side in a
+    form that has both, (n, 2) [m] in the same axes; `points` are then the right side's.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Drawn:
     said: Given = field(default_factory=dict)
     notes: Sequence[str] = ()
     remarks: Sequence[str] = ()
+    left: Array | None = None
 
 
 def read_plain(name: str, text: str, unit: float | None) -> Drawn:
@@ -48,7 +50,7 @@ def read_plain(name: str, text: str, unit: float | None) -> Drawn:
         for number, line in enumerate(text.splitlines(), start=1)
         if line.strip() and line.lstrip()[0] not in "#!%"
     ]
-    if rows and len(_numbers(rows[0][1])) == 2:
+    if rows and len(numbers(rows[0][1])) == 2:
         if unit is None:
             raise GeometryError(
                 f"{name}, line {rows[0][0]}: the columns have no names and no unit; write "
@@ -127,7 +129,7 @@ def read_miniprof(name: str, text: str, unit: float | None = None) -> Drawn:
         key, equals, value = line.partition("=")
         if equals and not rows:
             keys[key.strip()] = value.strip()
-        elif line and _numbers(line):
+        elif line and numbers(line):
             rows.append((number, line))
     columns = [column.strip().upper() for column in (keys.get("ColumnDef") or "X,Y").split(",")]
     if not {"X", "Y"} <= set(columns):
@@ -135,7 +137,7 @@ def read_miniprof(name: str, text: str, unit: float | None = None) -> Drawn:
     if not rows:
         raise GeometryError(f"{name} has no points behind its lines 'key=value'")
     where = [columns.index(axis) for axis in "XY"]
-    values = [_numbers(line) for _, line in rows]
+    values = [numbers(line) for _, line in rows]
     for (number, line), found in zip(rows, values, strict=True):
         if len(found) <= max(where):
             raise GeometryError(
@@ -157,7 +159,7 @@ def read_miniprof(name: str, text: str, unit: float | None = None) -> Drawn:
     )
 
 
-def _numbers(line: str) -> list[float]:
+def numbers(line: str) -> list[float]:
     """The numbers of a line; none where it has something else."""
     try:
         return [float(cell) for cell in SPACES.split(line.strip()) if cell]
@@ -167,7 +169,7 @@ def _numbers(line: str) -> list[float]:
 
 def _pairs(name: str, rows: Sequence[tuple[int, str]]) -> Array:
     """Two numbers in each line."""
-    found = [_numbers(line) for _, line in rows]
+    found = [numbers(line) for _, line in rows]
     for (number, line), pair in zip(rows, found, strict=True):
         if len(pair) != 2 or not np.isfinite(pair).all():
             raise GeometryError(f"{name}, line {number}: '{line[:40]}' is no pair of numbers y, z")

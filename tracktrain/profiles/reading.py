@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NoReturn
 
@@ -17,10 +18,12 @@ from ..geometry.errors import GeometryError
 from ..geometry.said import Given, typed, word
 from ..geometry.table import read_text
 from .formats import Drawn, read_miniprof, read_plain, read_simpack
+from .vampire import read_vampire
 
 READERS = {
     **dict.fromkeys((".prw", ".prr"), read_simpack),
     **dict.fromkeys((".whl", ".ban", ".mpt"), read_miniprof),
+    **dict.fromkeys((".whe", ".rai"), read_vampire),
     **dict.fromkeys((".csv", ".txt", ".dat", ".tsv", ".wpf", ".rpf"), read_plain),
 }
 """What reads a file, by the ending of its name."""
@@ -29,6 +32,7 @@ WORDS = {
     "profile": ("wheel", "rail"),
     "y_positive": ("outside", "inside"),
     "z_positive": ("up", "down"),
+    "side": ("left", "right"),
 }
 """What is said in words; the first one of an axis is ours."""
 LENGTHS = {
@@ -40,6 +44,8 @@ KEYS = (*WORDS, *LENGTHS)
 HEAD, CROWN, SYMMETRIC = 0.014, 0.005, 1e-4
 """Depths of a rail's head and crown, and the difference of its sides up to which they are alike
 [m]."""
+ALIKE = 1e-6
+"""Difference of the left and the right profile of a file up to which they are one [m]."""
 
 
 def profile_of(given: str | Path, says: Sequence[str] = (), kind: Kind | None = None) -> Profile:
@@ -90,6 +96,7 @@ def read_profile(path: Path | str, says: Sequence[str] = (), kind: Kind | None =
         if key not in KEYS and key.startswith(("y_", "z_", "tape", "smooth", "profile")):
             raise GeometryError(f"{said[key][1]}: '{key}' is not known; {choices(key, KEYS)}")
     words = {key: word(key, *said[key], WORDS[key]) for key in WORDS if key in said}
+    drawn = _sided(drawn, words.get("side"))
     found = _kind(drawn, words, kind)
     notes = list(drawn.notes)
     points, lines = oriented(found, _turned(drawn, found, words, said, notes), drawn.lines)
@@ -99,6 +106,22 @@ def read_profile(path: Path | str, says: Sequence[str] = (), kind: Kind | None =
         profile = profile.smoothed(_length("smoothing", *said["smoothing"]))
     _ = profile.surface  # which refuses points that fold back
     return profile
+
+
+def _sided(drawn: Drawn, side: str | None) -> Drawn:
+    """The side that is said, of a file that has both."""
+    if drawn.left is None:
+        if side is not None:
+            raise GeometryError(
+                f"{drawn.name} has one profile, and no left and right one; leave 'side' out"
+            )
+        return drawn
+    if side is None and np.abs(drawn.left - drawn.points).max() > ALIKE:
+        raise GeometryError(
+            f"{drawn.name} has a left and a right profile that differ; choose one with "
+            "--say side=left or side=right"
+        )
+    return replace(drawn, points=drawn.left) if side == "left" else drawn
 
 
 def _kind(drawn: Drawn, words: Mapping[str, str], kind: Kind | None) -> Kind:

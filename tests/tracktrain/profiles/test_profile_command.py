@@ -55,7 +55,7 @@ def test_a_pair_that_crosses_is_told_before_anything_else():
         (("show", "conical", "crown", "--inclination", "steep"), "no inclination; give one such"),
         (("show", "conical", "crown", "--picture", "x.doc"), "is no picture by its ending"),
         (("show", "missing.csv", "crown"), "the profile 'missing.csv' cannot be read"),
-        (("show", "conical", "crown", "--say", "side=left"), "--say 'side=left' cannot be read"),
+        (("show", "conical", "crown", "--say", "edge=left"), "--say 'edge=left' cannot be read"),
         (("show", "conical", "crown", "--yaw", "20 deg"), "too large; give 100 mrad at most"),
         (("make", "out.prw", "conical"), "call it 'out.csv'"),
     ],

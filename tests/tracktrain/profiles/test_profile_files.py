@@ -73,6 +73,52 @@ def test_miniprof_columns_are_turned_by_flange_and_head(tmp_path):
         profile_of(written(tmp_path, "s.ban", rows(skew, " ")))
 
 
+def vampire(kind: str, datum: str, distance: str, left: np.ndarray, right: np.ndarray) -> str:
+    points = np.column_stack([left * (-1, 1), right])
+    body = "\n".join(", ".join(f"{value:.9f}" for value in row) for row in points)
+    return f"{kind}\na title\n{datum}\n{distance}\n{body} ! last\n"
+
+
+def test_vampire_sides_are_taken_from_the_track_s_middle_to_our_axes(tmp_path):
+    datum, back = "TREADDATUM US1", "FLANGEBACK 1353.1"
+    down = WHEEL * (1, -1) + (1353.1 / 2 + 2.84375 * 25.4, 0)
+    path = written(tmp_path, "w.whe", vampire("WHEELPROFILE", datum, back, down, down))
+    wheel = profile_of(path)
+    np.testing.assert_allclose(wheel.points, WHEEL * 1e-3, atol=1e-10)
+    assert "a title" in wheel.said and "1497.56 mm apart" in " ".join(wheel.said)
+
+    up = RAIL + np.array([750.0, 3.0])
+    taller = RAIL * (1, 0.9) + np.array([748.0, 3.0])
+    rails = vampire("RAILPROFILE", "GAUGEPOINT EUROPEAN", "GAUGE 1435", taller, up)
+    path = written(tmp_path, "r.rai", rails)
+    with pytest.raises(GeometryError, match="a left and a right profile that differ"):
+        profile_of(path)
+    for side, points in (("right", RAIL), ("left", RAIL * (1, 0.9))):
+        found = profile_of(path, [f"side={side}"])
+        np.testing.assert_allclose(found.points, points * 1e-3, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("WHEELPROFILE", "PROFILE", "line 1: 'PROFILE' is neither WHEELPROFILE nor RAILPROFILE"),
+        ("US2", "US9", "line 3: 'TREADDATUM US9' is not TREADDATUM with EUROPEAN, US1, US2"),
+        ("US2", "CUSTOM x", "line 3: 'CUSTOM x' is not CUSTOM with a number of mm"),
+        ("FLANGEBACK", "GAUGE", "line 4: 'GAUGE 1353.1' is not FLANGEBACK"),
+        (" ! last", ", 1", "is not four numbers"),
+    ],
+)
+def test_a_vampire_file_of_another_form_is_refused_with_its_line(tmp_path, old, new, message):
+    text = vampire("WHEELPROFILE", "TREADDATUM US2", "FLANGEBACK 1353.1", WHEEL, WHEEL)
+    with pytest.raises(GeometryError, match=message):
+        profile_of(written(tmp_path, "w.whe", text.replace(old, new)))
+
+
+def test_a_side_of_a_file_with_one_profile_is_refused(csv):
+    with pytest.raises(GeometryError, match="has one profile"):
+        profile_of(csv(WHEEL), ["side=left"])
+
+
 def test_what_is_made_is_read_again(tmp_path):
     path = written(tmp_path, "again.csv", as_text(shape("worn")))
     np.testing.assert_allclose(profile_of(path).points, shape("worn").points, atol=1e-7)
