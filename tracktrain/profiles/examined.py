@@ -68,18 +68,21 @@ class Examined:
         )
 
     @cached_property
+    def radii(self) -> RadiusDifference:
+        """The difference of rolling radii over the shift."""
+        return RadiusDifference(self.geometry.shift, self.geometry.radius_difference)
+
+    @cached_property
     def conicity(self) -> Mapping[str, np.ndarray]:
         """Equivalent conicity [1] over `AMPLITUDES`, by method; NaN beyond the shifts."""
-        difference = RadiusDifference(self.geometry.shift, self.geometry.radius_difference)
         return {
-            name: np.array([method(difference, amplitude) for amplitude in AMPLITUDES])
+            name: np.array([method(self.radii, amplitude) for amplitude in AMPLITUDES])
             for name, method in METHODS.items()
         }
 
     def conicity_at(self, amplitude: float) -> float:
         """By integration, at an amplitude [m]."""
-        difference = RadiusDifference(self.geometry.shift, self.geometry.radius_difference)
-        return difference.by_integration(amplitude)
+        return self.radii.by_integration(amplitude)
 
     @property
     def flange_angles(self) -> tuple[float, float]:
@@ -95,6 +98,8 @@ class Examined:
             f"equivalent conicity at {NORM * 1e3:g} mm (EN 15302, by integration): "
             f"{self.conicity_at(NORM):.4f}"
         ]
+        if not self.alike:
+            found.append(f"rolling radii are equal at a shift of {self.radii.middle * 1e3:+.3f} mm")
         for side, name in enumerate(("left", "right")[: 1 if self.alike else 2]):
             found += self._side(name, side)
         return found
@@ -168,11 +173,20 @@ class Examined:
             }
             for jump in geometry.jumps
         ]
+        wheels, rails = ((both.left, both.mirrored.left) for both in (self.wheelset, self.track))
+        right = {
+            "right_wheel": wheels[1].name,
+            "right_rail": rails[1].name,
+            "right_said": [*wheels[1].said, *rails[1].said],
+            "right_flange": flange_of(wheels[1]) if wheels[1].flanged else None,
+        }
         return {
-            "wheel": self.wheelset.left.name,
-            "rail": self.track.left.name,
-            "said": [*self.wheelset.left.said, *self.track.left.said],
-            "flange": flange_of(self.wheelset.left) if self.wheelset.left.flanged else None,
+            "wheel": wheels[0].name,
+            "rail": rails[0].name,
+            "said": [*wheels[0].said, *rails[0].said],
+            "flange": flange_of(wheels[0]) if wheels[0].flanged else None,
+            **(right if not self.alike else {}),
+            "rolling_line": self.radii.middle,
             "clearance": self.clearances,
             "flange_angle": self.flange_angles,
             "conicity_at_3_mm": self.conicity_at(NORM),

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fmus.profiles.geometry import contact_geometry
+from fmus.profiles.geometry import SIDES, contact_geometry
 from fmus.profiles.trace import PlacedRail
 
 from ..errors import TracktrainError, choices
@@ -48,26 +48,32 @@ def save(found: Examined, file: Path) -> None:
 
 
 def _profiles(axes: Axes, found: Examined) -> None:
-    """The left wheel above its rail, apart, and which points meet at which shift."""
-    centred = contact_geometry(found.wheelset, found.track, [0.0], found.yaw)
-    wheel, rail = found.wheelset.wheels[0], found.track.rails[0]
-    y, z, _, _ = wheel.surface.at(wheel.grid)
+    """The wheel above its rail, apart, and which points meet at which shift; where the sides differ
+    the right ones mirrored beside the left ones."""
+    lift = contact_geometry(found.wheelset, found.track, [0.0], found.yaw).lift[0]
     apart = 0.010  # between the two, to see the lines [m]
-    on_track = wheel.half_spacing + y
-    up = centred.lift[0] + apart + wheel.axle - wheel.radius + z
-    _, rail_y, rail_z = rail.outline
-    axes.plot(MILLI * on_track, MILLI * up, color=INK, label=found.wheelset.left.name)
-    axes.plot(MILLI * rail_y, MILLI * rail_z, color=BLUE, label=found.track.left.name)
     geometry = found.geometry
-    free = np.flatnonzero(np.abs(geometry.shift) <= found.clearances[0] + 1e-3)
-    points = geometry.left[free[:: max(len(free) // SHOWN, 1)]]
-    wheel_z = np.interp(points.on_wheel, y, up)
-    axes.plot(
-        MILLI * np.stack([wheel.half_spacing + points.on_wheel, _on_track(rail, points.on_rail)]),
-        MILLI * np.stack([wheel_z, np.interp(_on_track(rail, points.on_rail), rail_y, rail_z)]),
-        color=RED,
-        linewidth=0.7,
-    )
+    for number, side in enumerate(SIDES):
+        if number and found.alike:
+            break
+        before, line = ("" if found.alike else f"{side}: "), ("-", "--")[number]
+        wheel, rail = found.wheelset.wheels[number], found.track.rails[number]
+        y, z, _, _ = wheel.surface.at(wheel.grid)
+        up = lift + apart + wheel.axle - wheel.radius + z
+        _, rail_y, rail_z = rail.outline
+        on_track = wheel.half_spacing + y
+        axes.plot(MILLI * on_track, MILLI * up, line, color=INK, label=f"{before}{wheel.name}")
+        axes.plot(MILLI * rail_y, MILLI * rail_z, line, color=BLUE, label=f"{before}{rail.name}")
+        free = np.flatnonzero(np.abs(geometry.shift) <= found.clearances[number] + 1e-3)
+        points = getattr(geometry, side)[free[:: max(len(free) // SHOWN, 1)]]
+        meets = _on_track(rail, points.on_rail)
+        axes.plot(
+            MILLI * np.stack([wheel.half_spacing + points.on_wheel, meets]),
+            MILLI * np.stack([np.interp(points.on_wheel, y, up), np.interp(meets, rail_y, rail_z)]),
+            line,
+            color=RED,
+            linewidth=0.7,
+        )
     axes.set_title("Points that meet, the wheel raised by 10 mm")
     axes.set_xlabel("from the track's middle [mm]")
     axes.set_ylabel("above the rail's top [mm]")

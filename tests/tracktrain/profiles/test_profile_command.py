@@ -24,15 +24,25 @@ def test_show_tells_and_draws_what_a_pair_does(tmp_path):
     assert picture.stat().st_size > 10_000
 
 
-def test_show_gives_all_contacts_as_json():
-    sides = ("--right-radius", "418.6 mm", "--inclination", "1:40,1:40")
+def test_show_gives_all_contacts_as_json(tmp_path):
+    picture = tmp_path / "pair.png"
+    sides = ("--right-radius", "418.6 mm", "--inclination", "1:40,1:40", "--picture", str(picture))
     found = json.loads(ran("show", "conical", "crown", *sides, "--json").output)
     contacts = found["contacts"]
     assert found["conicity_at_3_mm"] == pytest.approx(0.0523, abs=5e-4)
     level = np.interp(0.0, contacts["radius_difference"], contacts["shift"])
     assert level == pytest.approx(-0.5e-3 / (2 * 0.0523), abs=0.3e-3)
+    assert found["rolling_line"] == pytest.approx(level, abs=1e-6)
+    assert found["right_flange"] == found["flange"]
     assert found["clearance"][0] != found["clearance"][1]
+    assert picture.stat().st_size > 10_000
     assert len(contacts["left.radius"]) == len(contacts["shift"]) > 100
+
+
+def test_show_tells_where_unlike_sides_have_equal_radii():
+    result = ran("show", "conical", "crown", "--right-wheel", "worn")
+    assert "rolling radii are equal at a shift of -0.483 mm" in result.output, result.output
+    assert "right: flange touches at a shift of" in result.output
 
 
 def test_make_writes_a_profile_in_our_axes(tmp_path):
