@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from .car.layout import Shown
@@ -24,6 +25,9 @@ HEIGHT, SQUARE = 1.75, 4.2
 
 ROOM, LINE, COLUMNS = 0.9, 0.2, 3
 """Room around the panels, of a line of a legend [in], and entries in a line."""
+
+NAMED = 12
+"""Entries of a legend; colours come again after those of `COLOURS`."""
 
 FLOOR = 1e-8
 """Share of the highest density of a panel, below which it is not drawn."""
@@ -61,7 +65,8 @@ def overlaid(
     spectra: power spectral densities in place of the curves.
     """
     height, many = HEIGHT if over.ordered else SQUARE, len(runs) > 1
-    lines = sum(-(-len(group) * len(runs) // COLUMNS) for group in panels if len(group) > 1)
+    entries = [min(len(group) * len(runs), NAMED) for group in panels if len(group) > 1]
+    lines = sum(-(-count // COLUMNS) for count in entries)
     figure, grid = column(len(panels), height, ROOM + LINE * lines)
     for axes, group in zip(grid, panels, strict=True):
         _draw(axes, runs, group, over, spectra)
@@ -72,10 +77,21 @@ def overlaid(
         if not axes.lines:
             axes.text(0.5, 0.5, "does not vary: no spectrum", ha="center", transform=axes.transAxes)
         elif len(group) > 1 or (many and axes is grid[0]):
-            axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=COLUMNS, frameon=False)
+            _name(axes)
     last = "frequency" if over.unit == "s" else "wave number"
     grid[-1].set_xlabel(f"{last} [{_per(over)}]" if spectra else f"{over.label} [{over.unit}]")
     return figure
+
+
+def _name(axes: Axes) -> None:
+    """A legend above a panel, of a panel with many curves that of the first ones."""
+    named = axes.lines
+    if len(axes.lines) > NAMED:
+        more = f"and {len(axes.lines) - NAMED + 1} more"
+        named = [*axes.lines[: NAMED - 1], Line2D([], [], linestyle="none", label=more)]
+    axes.legend(
+        handles=named, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=COLUMNS, frameon=False
+    )
 
 
 def _draw(

@@ -24,6 +24,8 @@ def chunks(
     Each chunk comes with the number of its first row. size: rows of a chunk; by default as many as
     the file keeps with all its columns.
     """
+    if 8 * dataset.sizes["time"] * len(names) <= TOGETHER:
+        together(dataset, names)
     rows = size or max(BYTES // (8 * (len(dataset.variables) + 2)), 1)
     if rows >= dataset.sizes["time"]:  # all at once: no array package is asked for its slices
         yield 0, {name: np.asarray(dataset[name].values, float) for name in names}

@@ -1,14 +1,13 @@
 """The columns of results.nc, which has rows: each is read when it is asked for.
 
-NetCDF's own library reads a variable of such a file by a seek for every row. Here a file of some
-size is read whole, once, and one that is larger is read in blocks for some columns at a time.
+NetCDF's own library reads a variable of such a file by a seek for every row. Here files are read in
+blocks, for columns that are asked for together; of a file of some size all that were read are kept.
 """
 
 from __future__ import annotations
 
 import tempfile
 from collections.abc import Collection, Iterator, Mapping
-from functools import cached_property
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -18,7 +17,7 @@ from . import checksums
 from .classic import ClassicHeader
 
 WHOLE = 2**28
-"""Bytes of rows up to which all columns are kept."""
+"""Bytes of rows up to which every column that was read is kept."""
 
 HELD = 2**25
 """Bytes of a piece of the rows up to which all its columns are kept."""
@@ -47,28 +46,31 @@ class Rows:
         self._gathered: dict[int, Array] = {}
 
     def gather(self, numbers: Collection[int]) -> None:
-        """Have these columns ready, read in one pass, until others are; of small files all are.
+        """Have these columns ready, read in one pass; of large files no others from then on.
 
         As many as `GATHERED` takes are kept in memory, all of more than that in a temporary file.
         """
-        places = sorted(set(numbers))
-        if self._is_small or set(places) <= set(self._gathered):
+        if self._gathered.keys() >= set(numbers):
             return
-        self._gathered = {}
+        if not self._is_small:
+            self._gathered = {}
+        places = sorted(set(numbers) - self._gathered.keys())
         shape = len(places), self.count
         if 8 * self.count * len(places) <= GATHERED:
             found: Array = np.empty(shape)
         else:
             with tempfile.TemporaryFile() as stream:  # which lasts as long as the map
                 found = np.memmap(stream, np.float64, "w+", shape=shape)
+        side_by_side = places[-1] - places[0] == len(places) - 1
+        picked = slice(places[0], places[-1] + 1) if side_by_side else places
         for place, rows in self._blocks(0, self.count):
-            found[:, place : place + len(rows)] = rows[:, places].T
-        self._gathered = dict(zip(places, found, strict=True))
+            found[:, place : place + len(rows)] = rows[:, picked].T
+        self._gathered |= zip(places, found, strict=True)
 
     def column(self, number: int, first: int, last: int) -> Array:
         """The values of a variable from a row to the one before the last, by its number."""
         if self._is_small:
-            return self._whole[number, first:last]
+            self.gather([number] if number in self._gathered else range(self.width))
         if number in self._gathered:
             return self._gathered[number][first:last]
         if 8 * max(last - first, 0) * self.width <= HELD:
@@ -78,10 +80,6 @@ class Rows:
     @property
     def _is_small(self) -> bool:
         return 8 * self.count * self.width <= WHOLE
-
-    @cached_property
-    def _whole(self) -> Array:
-        return self._all_columns(0, self.count)
 
     def _held_rows(self, first: int, last: int) -> Array:
         """All columns of these rows; those of the last call are kept for the next column."""

@@ -67,6 +67,14 @@ def test_signals_of_one_unit_share_a_panel():
     assert [len(axes.lines) for axes in figure.axes] == [2]
 
 
+def test_a_legend_of_many_signals_names_the_first_and_counts_the_others():
+    many = run().assign({f"fan.y{n}": run()["pump.shaft.y"] for n in range(30)})
+    (axes,) = plot(many, "fan.*", together=True).axes
+    names = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert len(axes.lines) == 30 and len(names) == 12
+    assert names[0] == "fan.y0" and names[-1] == "and 19 more"
+
+
 @pytest.mark.parametrize(
     ("of", "options", "said"),
     [

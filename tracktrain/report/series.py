@@ -7,8 +7,8 @@ from itertools import islice
 from typing import Any
 
 import numpy as np
+import scipy  # its parts load when they are used
 from numpy.typing import NDArray
-from scipy.signal import welch
 
 from orchestrator import Responses
 
@@ -79,7 +79,7 @@ def spectrum(values: Array, rate: float) -> tuple[Array, Array]:
     """
     count = values.shape[-1]
     length = max(count // SEGMENTS, min(count, 16))
-    frequency, density = welch(values, rate, nperseg=length, detrend=_without_line)
+    frequency, density = scipy.signal.welch(values, rate, nperseg=length, detrend=_without_line)
     frequency, density = frequency[1:], density[..., 1:]
     edges = np.unique(np.geomspace(1, len(frequency) + 1, LINES + 1).round().astype(int)) - 1
     lines = np.diff(edges)
