@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .car.layout import Shown
 from .plots import BLUE, GREEN, PURPLE, RED, STYLE, column, envelope
-from .report.series import spectrum
+from .spectra import spectrum
 
 Array = NDArray[np.float64]
 COLOURS = (BLUE, RED, GREEN, PURPLE, "#b07a10", "#0d7f8c", "#b03a78", "#5d6a78")

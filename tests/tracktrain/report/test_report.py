@@ -24,9 +24,10 @@ from tracktrain.car.shapes import unit_motions, wire_frame
 from tracktrain.cli.main import main
 from tracktrain.cli.page_beside import PageBeside
 from tracktrain.errors import TracktrainError
-from tracktrain.report import page, series
+from tracktrain.report import page
 from tracktrain.report.motion import modes, scene
 from tracktrain.report.packing import envelope, envelope_time, packed
+from tracktrain.spectra import spectrum
 
 TRUCK = {
     "half_wheelbase": 0.86, "half_side_frame_spacing": 0.99, "half_contact_spacing": 0.76,
@@ -98,7 +99,7 @@ def test_no_peak_is_lost_in_a_curve_of_few_points() -> None:
 
 
 def test_spectrum_has_the_variance_of_the_signal() -> None:
-    frequency, density = series.spectrum(plain(4000)["a.force"].values, 100.0)
+    frequency, density = spectrum(plain(4000)["a.force"].values, 100.0)
     assert np.trapezoid(density, frequency) == pytest.approx(4.5, rel=0.05)
     assert frequency[density.argmax()] == pytest.approx(5.0, abs=0.1)
 
@@ -106,8 +107,8 @@ def test_spectrum_has_the_variance_of_the_signal() -> None:
 def test_a_straight_line_is_not_in_the_spectrum() -> None:
     noise = np.random.default_rng(1).normal(size=(2, 4000))
     line = 1e3 + 5.0 * np.arange(4000)
-    _, density = series.spectrum(noise + line, 100.0)
-    np.testing.assert_allclose(density, series.spectrum(noise, 100.0)[1], rtol=1e-6)
+    _, density = spectrum(noise + line, 100.0)
+    np.testing.assert_allclose(density, spectrum(noise, 100.0)[1], rtol=1e-6)
     assert density.mean() == pytest.approx(2.0 / 100.0, rel=0.1)
 
 
