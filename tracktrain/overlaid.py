@@ -85,10 +85,10 @@ def overlaid(
 
 def _name(axes: Axes) -> None:
     """A legend above a panel, of a panel with many curves that of the first ones."""
-    named = axes.lines
-    if len(axes.lines) > NAMED:
-        more = f"and {len(axes.lines) - NAMED + 1} more"
-        named = [*axes.lines[: NAMED - 1], Line2D([], [], linestyle="none", label=more)]
+    named = [*axes.lines]
+    if len(named) > NAMED:
+        more = f"and {len(named) - NAMED + 1} more"
+        named = [*named[: NAMED - 1], Line2D([], [], linestyle="none", label=more)]
     axes.legend(
         handles=named, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=COLUMNS, frameon=False
     )
