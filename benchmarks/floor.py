@@ -25,6 +25,7 @@ from orchestrator.masters.loop.leads import (
     leads_of,
     seed_leads,
 )
+from orchestrator.masters.loop.packets import ascending
 from orchestrator.masters.loop.tables import early_columns
 from orchestrator.masters.loop.tangents import Call, gather
 from orchestrator.plan.order import Batch
@@ -155,7 +156,7 @@ class _Text:
         yield from self._read(slave, first, first + self._early[slave])
 
     def _refresh(self, batch: Batch) -> Iterator[str]:
-        links = [self._plan.link_of[batch.instance, name] for name in batch.inputs]
+        links = ascending(self._plan.link_of[batch.instance, name] for name in batch.inputs)
         yield from self._values(links, "next")
         yield from self._send(batch.instance, [link.input.reference for link in links])
         yield from self._read(batch.instance, *columns_of(self._plan, batch))

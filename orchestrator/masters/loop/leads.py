@@ -16,7 +16,7 @@ from ...compiled.marks import in_c
 from ...plan.plan import Link, Plan
 from ..coupling import Coupling, Way, interpolated
 from .arrays import Floats, Ints, addresses, ints, starts
-from .packets import Feed, Packets, packets
+from .packets import Feed, Packets, ascending, packets
 from .record import Record, at
 from .tangents import Target
 
@@ -153,7 +153,9 @@ def lead_tables(
     flat = [lead for group in groups for lead in group]
     slots = [-1] * len(flat)
     if first_slot is not None:
-        at = {k: n for i in range(len(plan.names)) for n, k in enumerate(plan.links_of(i))}
+        at = {
+            k: n for i in range(len(plan.names)) for n, k in enumerate(ascending(plan.links_of(i)))
+        }
         slots = [int(first_slot[lead.link.target]) + at[lead.link] for lead in flat]
     first = starts([len(group) for group in groups])
     known, derived, declared, extrapolated = (

@@ -7,7 +7,7 @@ or three addresses and a count, and filling one is all that a loop has to do.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -49,6 +49,11 @@ class Feed(NamedTuple):
     converted: Ints
     gain: Floats
     offset: Floats
+
+
+def ascending(links: Iterable[Link]) -> list[Link]:
+    """Links by the value references of their inputs: an FMU may take a row of them at once."""
+    return sorted(links, key=lambda link: link.input.reference)
 
 
 def packets(groups: Sequence[Sequence[int]], orders: Sequence[int] | None = None) -> Packets:

@@ -10,7 +10,7 @@ from ...compiled.marks import in_any_order, in_c
 from ...plan.plan import Plan, columns_of
 from ...slaves import calls as ffi
 from .arrays import Ints, addresses, ints
-from .packets import Feed, feed, set_inputs
+from .packets import Feed, ascending, feed, set_inputs
 from .quasi_newton import begin_step, improve, settled, unknowns, worst
 from .record import Record, at, row_address
 from .tables import GET, LOOP, NOT_FINITE, Calls, goes_on, stands
@@ -41,7 +41,7 @@ class Refresh(NamedTuple):
 
 def refresh_table(plan: Plan, table: Calls) -> Refresh:
     """What the batches of a plan set, and what they read."""
-    groups = [[plan.link_of[b.instance, name] for name in b.inputs] for b in plan.batches]
+    groups = [ascending(plan.link_of[b.instance, name] for name in b.inputs) for b in plan.batches]
     spans = np.array([columns_of(plan, b) for b in plan.batches], np.int64).reshape(-1, 2)
     guessed = [[plan.column_of[port] for port in loop.guessed] for loop in plan.loops]
     return Refresh(

@@ -15,7 +15,7 @@ import numpy as np
 from ...plan.plan import Link, Plan
 from ..coupling import Coupling, Way, drives, uncovered
 from .arrays import Floats, Ints, References, addresses, ints, starts
-from .packets import Packets
+from .packets import Packets, ascending
 
 
 class Tangents(NamedTuple):
@@ -76,14 +76,15 @@ def gather(plan: Plan, coupling: Coupling) -> tuple[list[Target], list[list[Link
     """By slave what its tangents need, and the groups of links whose speeds are seeds."""
     seeds: list[list[Link]] = []
     results = 0
-    targets = [Target(plan.links_of(i)) for i in range(len(plan.names))]
-    for target in targets:
+    targets = [Target(ascending(plan.links_of(i))) for i in range(len(plan.names))]
+    for target, description in zip(targets, plan.descriptions, strict=True):
         followed = [k for k in target.links if coupling.ways[k] is Way.TANGENT]
         for source in dict.fromkeys(k.source for k in followed):
             links = [k for k in followed if k.source == source]
             _gather_source(plan, coupling, target, links, seeds)
         for call in target.calls:
             call.first_result, results = results, results + len(call.unknowns)
+        target.partials.sort(key=lambda name: description.variables[name].reference)
         _assign_results(coupling, target)
     return targets, seeds
 
