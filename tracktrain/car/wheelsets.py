@@ -78,7 +78,7 @@ def with_profiles(system: System, pair: ContactTable | Path) -> tuple[System, li
     keep(fmu)
     layout = layout_of(system)
     wheelsets = [w for truck in layout.trucks for w in truck.wheelsets]
-    notes = [f"profiles {table.name}: {'; '.join(table.said)}"]
+    notes = [f"profiles {': '.join(filter(None, (table.name, '; '.join(table.said))))}"]
     for instance in wheelsets:
         coned = system.components[instance]
         kept = {name: v for name, v in coned.parameters.items() if name not in FROM_TABLE}

@@ -97,6 +97,8 @@ def _judged(track: TrackData, number: int) -> tuple[list[federal.Measure], int]:
 
 
 def _class(made: int) -> str:
+    if made > federal.CONVENTIONAL:
+        return f"FRA class {made} (surface by limits that were not read in the law)"
     return f"FRA class {made}" if made else "below FRA class 1"
 
 

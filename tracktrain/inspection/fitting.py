@@ -132,7 +132,7 @@ def _rows(found: Fit) -> pd.DataFrame:
                 "to": estimate.high,
                 "unit": estimate.unit,
                 "held": "held" if estimate.held else "",
-                "by chance [%]": 100 * found.misfit,
+                "by chance [%]": round(100 * found.misfit, 3),
             }
             for estimate in found.parameters
         ]

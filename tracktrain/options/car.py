@@ -16,7 +16,9 @@ from ..errors import TracktrainError, choices
 from .types import Assignment, Name, Quantity
 
 Option = Callable[[Any], Any]
-SPEED_UNITS = ("ft/s", "mph", "m/s", "km/h")
+SPEED_KIND = Quantity("speed", "m/s", ("ft/s", "mph", "m/s", "km/h"), "60 ft/s")
+DURATION_UNITS = ("s", "min", "ms")
+STEP_KIND = Quantity("step", "s", ("ms", "s"), "1ms")
 REPORT_SPEEDS = ("60 ft/s", "80 ft/s", "100 ft/s")
 FRICTION = ("stuck", "free", "damper", "report")
 """Names of `linear.FRICTION`, which the command line does not load before it must."""
@@ -43,7 +45,7 @@ def speed_option(
     return click.option(
         name,
         *([argument] if argument else []),
-        type=Quantity("speed", "m/s", SPEED_UNITS, "60 ft/s"),
+        type=SPEED_KIND,
         default=default,
         show_default=True,
         metavar="SPEED",
@@ -57,7 +59,7 @@ def speeds_option(name: str, argument: str, default: tuple[str, ...], meaning: s
     return click.option(
         name,
         argument,
-        type=Quantity("speed", "m/s", SPEED_UNITS, "60 ft/s"),
+        type=SPEED_KIND,
         multiple=True,
         default=default,
         metavar="SPEED",
@@ -69,7 +71,7 @@ def duration_option(example: str, meaning: str, otherwise: str | None = None) ->
     """--duration [s]; otherwise: what it is when it is not given, instead of the example."""
     return click.option(
         "--duration",
-        type=Quantity("duration", "s", ("s", "min", "ms"), example),
+        type=Quantity("duration", "s", DURATION_UNITS, example),
         default=None if otherwise else example,
         show_default=not otherwise,
         metavar="TIME",

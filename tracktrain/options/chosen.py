@@ -14,6 +14,8 @@ from click.core import ParameterSource
 from ..car.hopper import DURATION, SPEED, TRACK, instances
 from ..errors import TracktrainError
 from .car import (
+    DURATION_UNITS,
+    STEP_KIND,
     car_option,
     carbody_option,
     fmu_of,
@@ -72,13 +74,13 @@ _OPTIONS = (
     seed_option(),
     click.option(
         "--duration",
-        type=Quantity("duration", "s", ("s", "min", "ms"), "8s"),
+        type=Quantity("duration", "s", DURATION_UNITS, "8s"),
         metavar="TIME",
         help="Simulated time.  [default: 60s]",
     ),
     click.option(
         "--step",
-        type=Quantity("step", "s", ("ms", "s"), "1ms"),
+        type=STEP_KIND,
         metavar="TIME",
         help="Macro step, at which the FMUs exchange values.  [default: 1ms]",
     ),

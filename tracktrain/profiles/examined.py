@@ -108,7 +108,7 @@ class Examined:
         """What there is to tell of one side."""
         before = "" if self.alike else f"{side}: "
         centred = getattr(contact_geometry(self.wheelset, self.track, [0.0], self.yaw), side)[0]
-        ahead = f", {centred.ahead * 1e3:+.3f} mm ahead" if self.yaw else ""
+        ahead = f", {centred.ahead * 1e3:+.3f} mm ahead of the axle" if self.yaw else ""
         found = [
             f"{before}centred contact {centred.on_wheel * 1e3:+.3f} mm from the tape circle, "
             f"{centred.on_rail * 1e3:+.3f} mm from the rail's middle{ahead}, at "

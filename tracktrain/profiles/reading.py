@@ -100,7 +100,7 @@ def read_profile(path: Path | str, says: Sequence[str] = (), kind: Kind | None =
     found = _kind(drawn, words, kind)
     notes = list(drawn.notes)
     points, lines = oriented(found, _turned(drawn, found, words, said, notes), drawn.lines)
-    remarks = (*drawn.remarks, f"from {path.name}", *notes)
+    remarks = (*drawn.remarks, *notes)
     profile = Profile(found, path.name, _placed(found, points), remarks, lines)
     if "smoothing" in said:
         profile = profile.smoothed(_length("smoothing", *said["smoothing"]))

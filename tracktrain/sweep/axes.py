@@ -9,19 +9,27 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import click
+
 from ..car.changes import assigned
 from ..car.hopper import CARS, TRACKS, hopper_car, instances
 from ..errors import TracktrainError, choices
-from ..options.car import is_track_file
+from ..options.car import DURATION_UNITS, SPEED_KIND, STEP_KIND, is_track_file
 from ..options.chosen import CONES, STRAIGHT
 from ..options.master import MASTERS
+from ..options.types import Quantity
 
 if TYPE_CHECKING:
     from orchestrator import System
 
 Given = str | float | Path | Sequence[Any]
 
-QUANTITIES = {"speed": "m/s", "duration": "s", "step": "s"}
+KINDS = {
+    "speed": SPEED_KIND,
+    "duration": Quantity("duration", "s", DURATION_UNITS, "8s"),
+    "step": STEP_KIND,
+}
+QUANTITIES = {name: kind.unit for name, kind in KINDS.items()}
 """Options with a unit, and the one that a run takes them in."""
 
 NAMED = {"car": CARS, "track": TRACKS, "master": MASTERS}
@@ -253,15 +261,10 @@ def _check_parameter(axis: Axis) -> None:
 
 def _converted(axis: Axis, value: Any) -> float:
     """A speed or a time [SI]; raises SweepError for what measures something else."""
-    import click
-
-    from ..options.types import Quantity
-
     if isinstance(value, str):
         raise SweepError(f"{axis.name}={value} is no number with a unit, as in {EXAMPLE}")
-    kind = Quantity(axis.name, QUANTITIES[axis.name], (QUANTITIES[axis.name],), "60 ft/s")
     try:
-        return kind.convert(axis.text(value), None, None)
+        return KINDS[axis.name].convert(axis.text(value), None, None)
     except click.BadParameter as error:
         raise SweepError(error.message) from None
 

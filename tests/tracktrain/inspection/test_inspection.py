@@ -174,7 +174,10 @@ def test_inspect_writes_tables_and_pictures_and_speaks_json(tmp_path):
 
 def test_a_perfect_track_is_of_class_9_and_has_no_spectrum():
     found = inspect(track())
-    assert found.title.endswith("FRA class 9") and "waves" not in found.tables
+    assert (
+        found.title.endswith("FRA class 9 (surface by limits that were not read in the law)")
+        and "waves" not in found.tables
+    )
 
 
 def bent(curvature=1 / 500, cant=0.1, **channels):

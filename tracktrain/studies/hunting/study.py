@@ -12,7 +12,7 @@ from orchestrator import Session
 
 from ...car.linear import LinearCar
 from ...car.modes import critical_speeds
-from ...options.car import REPORT_SPEEDS, SPEED_UNITS, car_option, duration_option, speeds_option
+from ...options.car import REPORT_SPEEDS, SPEED_KIND, car_option, duration_option, speeds_option
 from ...options.types import Quantity
 from ...scales import FOOT
 from ...terminal import Progress, unseen
@@ -119,7 +119,7 @@ command = study_command(
     ),
     click.option(
         "--staircase",
-        type=Quantity("speed", "m/s", SPEED_UNITS, "60 ft/s"),
+        type=SPEED_KIND,
         nargs=2,
         default=("40 ft/s", "120 ft/s"),
         show_default=True,
