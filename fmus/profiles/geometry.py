@@ -203,6 +203,19 @@ def contact_geometry(
     return _solved(wheelset, track, shift, yaw, np.zeros_like(shift))
 
 
+def level_difference(
+    wheelset: Wheelset, track: Track, shifts: Sequence[float] | Array, yaw: float = 0.0
+) -> Array:
+    """Rolling radius left less right [m] of a wheelset that does not roll, each wheel let down on
+    its own rail; NaN where a wheel leaves its rail. So are the reference results of EN 15302."""
+    shift = np.asarray(shifts, dtype=float)
+    left, right = (
+        side.points(side.s, side.gap).radius
+        for side in _touching(wheelset, track, shift, yaw, np.zeros_like(shift))
+    )
+    return np.asarray(left - right)
+
+
 def climbing_geometry(
     wheelset: Wheelset, track: Track, shifts: Sequence[float] | Array, yaw: float = 0.0
 ) -> ContactGeometry:

@@ -11,7 +11,13 @@ import numpy as np
 
 from fmus.profiles.conicity import RadiusDifference
 from fmus.profiles.flange import flange_of
-from fmus.profiles.geometry import ContactGeometry, Track, Wheelset, contact_geometry
+from fmus.profiles.geometry import (
+    ContactGeometry,
+    Track,
+    Wheelset,
+    contact_geometry,
+    level_difference,
+)
 from fmus.profiles.tables import WITHOUT_FLANGE, flange_begins
 
 BEYOND = 4e-3
@@ -84,6 +90,12 @@ class Examined:
         """By integration, at an amplitude [m]."""
         return self.radii.by_integration(amplitude)
 
+    def level_conicity_at(self, amplitude: float) -> float:
+        """The same of a wheelset that does not roll."""
+        shift = self.geometry.shift
+        difference = level_difference(self.wheelset, self.track, shift, self.yaw)
+        return RadiusDifference(shift, difference).by_integration(amplitude)
+
     @property
     def flange_angles(self) -> tuple[float, float]:
         """Steepest contact angles left and right [rad]."""
@@ -96,7 +108,8 @@ class Examined:
         """The findings, a line each; of both sides where they differ."""
         found = [
             f"equivalent conicity at {NORM * 1e3:g} mm (EN 15302, by integration): "
-            f"{self.conicity_at(NORM):.4f}"
+            f"{self.conicity_at(NORM):.4f}; {self.level_conicity_at(NORM):.4f} without roll, as "
+            "the norm's reference results are"
         ]
         if not self.alike:
             found.append(f"rolling radii are equal at a shift of {self.radii.middle * 1e3:+.3f} mm")
@@ -190,6 +203,7 @@ class Examined:
             "clearance": self.clearances,
             "flange_angle": self.flange_angles,
             "conicity_at_3_mm": self.conicity_at(NORM),
+            "level_conicity_at_3_mm": self.level_conicity_at(NORM),
             "jumps": jumps,
             "amplitude": AMPLITUDES,
             "conicity": self.conicity,

@@ -12,7 +12,13 @@ from scipy.optimize import brentq, root
 from fmus.errors import ParameterError
 from fmus.profiles.conicity import RadiusDifference
 from fmus.profiles.flange import flange_of
-from fmus.profiles.geometry import Track, Wheelset, climbing_geometry, contact_geometry
+from fmus.profiles.geometry import (
+    Track,
+    Wheelset,
+    climbing_geometry,
+    contact_geometry,
+    level_difference,
+)
 from fmus.profiles.profile import Profile
 from fmus.profiles.shapes import shape, shapes
 from fmus.profiles.tables import contact_table, flange_begins
@@ -452,6 +458,14 @@ def test_apta_220_on_a_crown_has_the_conicity_of_its_taper():
     expected = 0.05 * (half + 0.254 * 0.05) / (half - 0.4191 * 0.05)
     conicity = np.polyfit(geometry.shift, geometry.radius_difference, 1)[0] / 2
     assert conicity == pytest.approx(expected, rel=2e-3)
+
+
+def test_a_cone_that_does_not_roll_differs_by_twice_its_slope():
+    """A cone on any crown, whatever its radius: the contact goes with the wheel."""
+    wheelset, track = Wheelset(shape("apta220"), 0.4191, 1.5), Track(shape("60e1"), 1.435)
+    shift = np.linspace(-2e-3, 2e-3, 9)
+    difference = level_difference(wheelset, track, shift)
+    np.testing.assert_allclose(difference, 2 * 0.05 * shift, atol=1e-7)
 
 
 def test_a_flange_steeper_than_the_wheelset_rolls_is_met_steep_and_left_at_once():
