@@ -28,6 +28,9 @@ def test_the_critical_speed_of_a_run_is_that_of_its_profiles(tmp_path):
     result = CliRunner().invoke(main, [*asked, "--speed", "40 mph", "--out", str(tmp_path)])
     assert result.exit_code == 0, result.output
     assert f"({found[1]:.3g} mph)" in result.output
+    said = " ".join(result.output.split())
+    assert "numbers of the loaded car as it ran have a range" in said
+    assert "conicity" in said.partition("count as known")[0] and "cones" not in said
 
 
 @pytest.mark.slow

@@ -134,3 +134,14 @@ def test_a_wheelset_whose_sides_differ_is_linear_about_where_it_runs_straight():
     assert any("runs +1 mm off the middle" in note for note in notes[1])
     one, other = (LinearFmus.of(system).matrix(20.0) for system in systems)
     assert other == pytest.approx(one, abs=1e-9 * np.abs(one).max())
+
+
+@pytest.mark.slow
+def test_a_car_mirrored_has_the_same_band():
+    flat, steep = (cone(taper, flange=None) for taper in (0.05, 0.08))
+    found = []
+    for left, right in ((flat, steep), (steep, flat)):
+        table = replace(left, right=right)
+        car, _ = with_profiles(hopper_car("loaded"), table)
+        found.append(band_of(LinearFmus.of(car), uncertain("loaded")))
+    alike(*found)

@@ -48,5 +48,8 @@ def test_a_tighter_curve_takes_more_of_the_limit_and_a_lighter_car_climbs_first(
     shares = outcome.dataset.share.sel(limit="en_derailment").values.reshape(2, 3)
     assert (shares[:, 2] > 1.3 * shares[:, 1]).all()  # radius 300 m against 900 m
     assert not outcome.dataset.derailments.values.any()
+    for name in ("critical_speed_by_conicity", "critical_speed_by_profiles"):
+        table = outcome.tables[name]
+        assert (table["5 % [mph]"] < table["95 % [mph]"]).all()
     critical = outcome.tables["critical_speed_by_conicity"]["critical speed [mph]"]
     assert critical.loc[:, "loaded"].is_monotonic_decreasing

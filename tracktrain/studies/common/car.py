@@ -15,7 +15,15 @@ from ...car.hopper import SPEED
 from ...car.linear import LinearCar
 from ...car.linear_fmus import LinearFmus
 from ...car.linear_motion import LinearMotion
-from ...options.car import car_option, layout_option, rail_option, set_option, wheel_option
+from ...options.car import (
+    car_option,
+    layout_option,
+    rail_option,
+    right_rail_option,
+    right_wheel_option,
+    set_option,
+    wheel_option,
+)
 from ...options.chosen import Assigned, Shape, chosen_car
 from ...options.fields import adding
 from .outcome import Outcome
@@ -27,12 +35,14 @@ NO_CHANGES: Mapping[str, float] = {}
 class StudiedCar:
     """A car of `CARS`, and what it has instead of cones, straight track and its parameters' values.
 
-    wheel, rail, layout, settings: as `tracktrain run` takes them.
+    All but the car's name: as `tracktrain run` takes it.
     """
 
     car: str = "loaded"
     wheel: str | None = None
     rail: str | None = None
+    right_wheel: str | None = None
+    right_rail: str | None = None
     layout: str | Path | None = None
     settings: Sequence[Assigned] = ()
 
@@ -64,8 +74,9 @@ class StudiedCar:
         return LinearFmus.of(self.system(changes, along=False, speed=SPEED, track="perfect"))
 
     def __str__(self) -> str:
-        pair = " and ".join(Path(name).stem for name in (self.wheel, self.rail) if name is not None)
-        on = f" on {pair}" if pair else ""
+        profiles = self.wheel, self.rail, self.right_wheel, self.right_rail
+        given = " and ".join(Path(name).stem for name in profiles if name is not None)
+        on = f" on {given}" if given else ""
         line = f" along {Path(self.layout).name}" if self.layout is not None else ""
         return f"{self.car} car{on}{line}"
 
@@ -79,7 +90,15 @@ def studied(car: CarGiven) -> StudiedCar:
 
 
 studied_car_options = adding(
-    (car_option(), wheel_option(), rail_option(), layout_option(), set_option())
+    (
+        car_option(),
+        wheel_option(),
+        rail_option(),
+        right_wheel_option(),
+        right_rail_option(),
+        layout_option(),
+        set_option(),
+    )
 )
 
 

@@ -11,11 +11,13 @@ import pandas as pd
 
 from fmus.wheelrail.contact_table import ContactTable
 
+from ...car.band import critical_band
 from ...car.hopper import hopper_car
 from ...car.linear import linear_car
 from ...car.linear_fmus import LinearFmus
 from ...car.linear_motion import LinearMotion
 from ...car.modes import critical_speeds, growing
+from ...car.spreads import Uncertain, uncertain
 from ...car.wheelsets import with_profiles
 from ...profiles.examined import NORM, Examined
 from ...profiles.pairing import Pairing
@@ -31,22 +33,28 @@ CONICITIES = (0.025, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4)
 def by_profiles(
     cars: Sequence[str], pairs: Mapping[str, tuple[str | Path, str | Path, ContactTable]]
 ) -> pd.DataFrame:
-    """Equivalent conicity at 3 mm and critical speed of each car on each pair; friction stuck."""
+    """Equivalent conicity at 3 mm and critical speed of each car on each pair; friction stuck.
+
+    With its band from 5 to 95 %, on these profiles as they are.
+    """
     rows = []
     for name, (wheel, rail, table) in pairs.items():
         examined = Examined(*Pairing().placed(wheel, rail))
         for car in cars:
             row: dict[str, object] = {"profiles": name, "car": car}
             row[f"conicity at {1e3 * NORM:g} mm"] = examined.conicity_at(NORM)
-            rows.append(row | _critical(_on_profiles(car, table)))
+            rows.append(row | _critical(_on_profiles(car, table), uncertain(car)))
     return pd.DataFrame(rows).set_index(["profiles", "car"])
 
 
 def by_conicity(cars: Sequence[str], conicities: Sequence[float] = CONICITIES) -> pd.DataFrame:
-    """Critical speed of each car on cones; friction stuck."""
+    """Critical speed of each car on cones, and its band for this conicity; friction stuck."""
     rows = [
         {"conicity": conicity, "car": car}
-        | _critical(linear_car(car, "stuck", {"wheelrail.conicity": conicity}))
+        | _critical(
+            linear_car(car, "stuck", {"wheelrail.conicity": conicity}),
+            [number for number in uncertain(car) if number.name != "conicity"],
+        )
         for conicity in conicities
         for car in cars
     ]
@@ -58,16 +66,21 @@ def _on_profiles(car: str, table: ContactTable) -> LinearFmus:
     return LinearFmus.of(system)
 
 
-def _critical(linear: LinearMotion) -> dict[str, object]:
+def _critical(linear: LinearMotion, numbers: Sequence[Uncertain]) -> dict[str, object]:
     found = critical_speeds(linear, GRID)
+    low = high = nan
     if found:
         speed, root, mode = found[0]
+        band = critical_band(linear, found[0], numbers)
+        low, high = band.low, band.high
     elif (already := growing(linear, GRID[0])) is not None:
         speed, root, mode = 0.0, already.root, already.mode
     else:
         speed, root, mode = nan, complex(nan, nan), "none becomes unstable"
     return {
         "critical speed [mph]": speed / MILE_PER_HOUR,
+        "5 % [mph]": low / MILE_PER_HOUR,
+        "95 % [mph]": high / MILE_PER_HOUR,
         "frequency [Hz]": root.imag / (2 * pi),
         "mode": mode,
     }
