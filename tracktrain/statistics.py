@@ -7,7 +7,20 @@ from math import hypot, isnan, nan
 
 import numpy as np
 
-from orchestrator import Estimate, Response, frequency_of, peak_of, percentile_of, rms_of
+from orchestrator import (
+    Estimate,
+    Response,
+    Responses,
+    Signal,
+    frequency_of,
+    peak_of,
+    percentile_of,
+    rms_of,
+)
+
+from .car.hopper import layout_of
+
+Array = np.ndarray
 
 LEVEL = 0.95
 """Share of the time in which a response stays below its level."""
@@ -31,6 +44,28 @@ LEAST = 3
 UNKNOWN = Estimate(nan, nan, nan)
 
 
+def swaying(dataset: Responses, name: str) -> Response:
+    """A response less what follows the curves of the line, on which frequencies are looked for.
+
+    What a curve asks for comes as often as curves do, and is no motion of the car's own. Taken out
+    are the multiples of the curvature and of its size that are nearest by least squares.
+    """
+    response, line = dataset[name], f"{layout_of(dataset).track}.curvature"
+    if line not in dataset:
+        return response
+    return Signal.of(without_curves(response.values, dataset[line].values), response["time"].values)
+
+
+def without_curves(values: Array, curvature: Array) -> Array:
+    """Values less their part that follows the curvature [1/m] of the line; see `swaying`."""
+    most = np.abs(curvature).max(initial=0.0)
+    if not most:
+        return values
+    line = curvature / most
+    shapes = np.column_stack([np.ones_like(line), line, np.abs(line)])
+    return np.asarray(values - shapes[:, 1:] @ np.linalg.lstsq(shapes, values, rcond=None)[0][1:])
+
+
 def dominant(response: Response) -> Estimate:
     """The dominant frequency [Hz]; unknown for what is short or does not move."""
     moves = response.size > LEAST and bool(np.any(response.values != response.values[0]))
@@ -46,9 +81,13 @@ def uncertainty(found: Estimate) -> float:
 def differ(one: Estimate, other: Estimate) -> bool | None:
     """Whether zero is outside the interval of the difference; None where that is not known.
 
+    Equal values do not differ, whatever their intervals.
+
     Source: Zou, G. Y.; Donner, A.: Construction of confidence limits about effect measures,
     Statistics in Medicine 27 (2008) 1693.
     """
+    if one.value == other.value:
+        return False
     low, high = sorted((one, other), key=lambda estimate: estimate.value)
     reach = hypot(low.high - low.value, high.value - high.low)
     return None if isnan(reach) else high.value - low.value > reach

@@ -27,6 +27,9 @@ WIDEST_HEAD = 0.1
 """[m]; feet are wider."""
 CLOSE = 1e-6
 """Points nearer than this [m] are one."""
+STRAY, SCATTERED = 2e-4, 10.0
+"""What a point stands off its neighbours at least [m], and how many times their median, that is
+none of the profile."""
 FLANGE = 0.015
 """Least depth of a flange below the tape circle [m]."""
 PATCH = 1e-3
@@ -56,6 +59,7 @@ class Profile:
     def __post_init__(self) -> None:
         _check_points(self)
         _check_upright(self)
+        _check_strays(self)
 
     def place(self, point: int) -> str:
         """Where a point stands, for messages."""
@@ -199,6 +203,26 @@ def _check_upright(profile: Profile) -> None:
     else:
         return
     raise ParameterError(f"{profile.name} {what} if that is how it was written")
+
+
+def _check_strays(profile: Profile) -> None:
+    """Raise ParameterError for a point that stands alone off the line of those about it.
+
+    There the profile turns one way, and the other way right before and right behind it, as no
+    rounding does and no corner.
+    """
+    points = profile.points
+    chord, leg = points[2:] - points[:-2], points[1:-1] - points[:-2]
+    length = np.maximum(np.hypot(*chord.T), CLOSE)
+    off = (chord[:, 0] * leg[:, 1] - chord[:, 1] * leg[:, 0]) / length
+    alone = np.maximum(off[1:-1] * off[:-2], off[1:-1] * off[2:]) < 0
+    stray = np.where(alone, np.abs(off[1:-1]), 0.0)
+    worst, scatter = int(stray.argmax()), float(np.median(np.abs(off)))
+    if stray[worst] > max(STRAY, SCATTERED * scatter):
+        raise ParameterError(
+            f"{profile.place(worst + 2)}: the point stands {_mm(stray[worst])} off the line of its "
+            "neighbours; give the points in order along the profile, and leave out strays"
+        )
 
 
 def _running(profile: Profile) -> tuple[int, int]:

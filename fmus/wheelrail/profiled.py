@@ -40,6 +40,8 @@ _PER_WHEEL = {
 
 
 RANGE = Path(__file__).with_name("range_profiled.toml")
+FLANGED, FLANGELESS = ("off_the_flange", "flange"), ("off_the_tread",)
+"""Limits in it that are for wheels with flanges alone, and without."""
 
 
 class ProfiledWheelRail(WheelRail):
@@ -202,11 +204,16 @@ class ProfiledWheelRail(WheelRail):
 def _limits(table: ContactTable, sides: Sequence[Columns]) -> tuple[Limit, ...]:
     """What the laws hold for; flange and yaw as far as the table has them."""
     ends: dict[str, dict[str, Any]] = {}
-    if table.flange is not None:
+    others: tuple[str, ...] = FLANGELESS
+    if table.flange is None:
+        others = FLANGED
+    else:
         climbs = (float(columns.patches["flange"].over[-1]) for columns in sides)
         ends["off_the_flange"] = {"largest": min(climbs)}
     if table.yawed:
         last = max(table.yawed)
         ends["yaw"] = {"least": -last, "largest": last}
     found = read_range(RANGE, ProfiledWheelRail.outputs) or ()
-    return tuple(replace(limit, **ends.get(limit.name, {})) for limit in found)
+    return tuple(
+        replace(limit, **ends.get(limit.name, {})) for limit in found if limit.name not in others
+    )

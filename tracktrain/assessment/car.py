@@ -15,6 +15,7 @@ from ..car.hopper import layout_of
 from ..car.layout import SIDES, Axle, Truck
 from ..geometry.sections import Section, curves, sections
 from ..rows import together
+from ..statistics import without_curves
 from . import windows
 from .rules import Band, ForeignError, NotApplicableError, Rule, parameter
 
@@ -268,6 +269,9 @@ class Car:
         return said
 
     def _dominant(self, values: Array) -> float:
+        line = self.of_track("curvature")
+        if line is not None and len(line) == len(values):
+            values = without_curves(values, line)
         found = dominant_frequency(Signal.of(values, self.time))
         if np.isnan(found):
             raise NotApplicableError("nothing moves")

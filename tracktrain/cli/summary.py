@@ -10,11 +10,11 @@ import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from orchestrator import Estimate, Response, Responses, dominant_frequency, peak, rms
+from orchestrator import Estimate, Responses, dominant_frequency, peak, rms
 
 from ..car.hopper import layout_of
 from ..scales import Scale, three_digits
-from ..statistics import STATISTICS, dominant, uncertainty
+from ..statistics import STATISTICS, dominant, swaying, uncertainty
 from ..terminal import print_whole
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def numbers(dataset: Responses) -> dict[str, dict[str, Any]]:
         variable: {
             "unit": dataset[variable].attrs.get("units", ""),
             **{name: found(dataset[variable]) for name, found in STATISTICS.items()},
-            "dominant frequency [Hz]": dominant(dataset[variable]),
+            "dominant frequency [Hz]": dominant(swaying(dataset, variable)),
         }
         for variable in shown
     }
@@ -81,7 +81,7 @@ def _responses(dataset: Responses, chosen: Sequence[str]) -> Table:
     for group, rows in (_known(dataset) or _first(dataset)).items():
         table.add_row(group, style="bold")
         for label, (variable, scale) in rows.items():
-            table.add_row(f" {label}", scale.units, *_statistics(dataset[variable], scale, chosen))
+            table.add_row(f" {label}", scale.units, *_statistics(dataset, variable, scale, chosen))
     return table
 
 
@@ -106,18 +106,21 @@ def _first(dataset: Responses) -> Mapping[str, Mapping[str, tuple[str, Scale]]]:
     return {group: {name: (name, Scale(str(dataset[name].attrs["units"]), 1.0)) for name in names}}
 
 
-def _statistics(values: Response, scale: Scale, chosen: Sequence[str]) -> list[str]:
+def _statistics(
+    dataset: Responses, variable: str, scale: Scale, chosen: Sequence[str]
+) -> list[str]:
+    values = dataset[variable]
     moves = values.size > 2 and bool(np.any(values.values != values.values[0]))
     width = 2 * (len(chosen) + 1) if chosen else 3
     if not moves and not np.any(values.values):
         return [*["-"] * (width - 1), "not excited"]
     if not chosen:
-        frequency = f"{dominant_frequency(values):.2f} Hz" if moves else "-"
+        frequency = f"{dominant_frequency(swaying(dataset, variable)):.2f} Hz" if moves else "-"
         return [scale.numbers(rms(values)), scale.numbers(peak(values)), frequency]
     cells = []
     for found in (STATISTICS[name](values) for name in chosen):
         cells += [scale.numbers(found.value), _uncertainty(found) if moves else "-"]
-    found = dominant(values)
+    found = dominant(swaying(dataset, variable))
     return [*cells, *((f"{found.value:.2f} Hz", _uncertainty(found)) if moves else ("-", "-"))]
 
 

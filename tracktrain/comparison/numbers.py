@@ -11,7 +11,7 @@ import xarray as xr
 from orchestrator import Estimate, State, settling
 
 from ..car.layout import Shown
-from ..statistics import STATISTICS, UNKNOWN, differ, dominant, uncertainty
+from ..statistics import STATISTICS, UNKNOWN, differ, dominant, swaying, uncertainty
 
 FREQUENCY = "dominant frequency [Hz]"
 
@@ -79,7 +79,8 @@ def _rows(
         )
         for name, of in STATISTICS.items()
     ]
-    frequencies = [UNKNOWN if v is None else dominant(v) for v in values]
+    name = quantity.variable
+    frequencies = [dominant(swaying(d, name)) if name in d else UNKNOWN for d in runs.values()]
     return [*rows, ((quantity.label, FREQUENCY), frequencies)]
 
 

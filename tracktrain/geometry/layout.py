@@ -17,7 +17,7 @@ from orchestrator import DimensionError, Quantity, UnitError, choices
 
 from .errors import GeometryError
 from .sections import CURVE, KINDS, TRANSITION
-from .table import HEAD, read_text
+from .table import HEAD, delimiter_of, read_text
 
 DIRECTIONS = {"left": 1.0, "right": -1.0}
 FIELDS = ("kind", "length", "radius", "degree", "direction", "cant")
@@ -245,7 +245,8 @@ def _rows(found: object) -> bool:
 def _of_csv(path: Path) -> list[tuple[str, dict[str, str]]]:
     lines = enumerate(read_text(path, "layout").splitlines(), start=1)
     kept = [(n, line) for n, line in lines if line.strip() and not line.lstrip().startswith("#")]
-    rows = list(csv.reader([line for _, line in kept]))
+    delimiter = delimiter_of(kept[0][1]) if kept else ","
+    rows = list(csv.reader([line for _, line in kept], delimiter=delimiter))
     heads = [HEAD.fullmatch(cell) for cell in rows[0]] if rows else []
     names = [(m[1].lower(), m[2] or "") if m else ("", "") for m in heads]
     if len(rows) < 2 or "kind" not in [name for name, _ in names]:
@@ -263,7 +264,7 @@ def _of_csv(path: Path) -> list[tuple[str, dict[str, str]]]:
             raise GeometryError(f"{place} has {len(cells)} cells, and the first line {len(names)}")
         row = {}
         for (name, unit), cell in zip(names, cells, strict=True):
-            if text := cell.strip():
+            if text := cell.strip().replace(",", "."):  # no commas are left but decimal ones
                 bare = re.fullmatch(r"[-+\d.eE]+", text)
                 row[name] = f"{text} {unit}" if unit and bare else text
         found.append((place, row))

@@ -76,7 +76,7 @@ def read_table(file: str, text: str, units: Mapping[str, str], first: str = STAT
             f"{file} has no rows below a line that names the columns with their units, such as "
             f"'{_example(units)}'"
         )
-    delimiter = max(DELIMITERS, key=rows[0][1].count)
+    delimiter = delimiter_of(rows[0][1])
     factors = _heading(f"{file}, line {rows[0][0]}", rows[0][1], delimiter, units)
     if first not in factors:
         raise GeometryError(
@@ -86,6 +86,11 @@ def read_table(file: str, text: str, units: Mapping[str, str], first: str = STAT
     values = _numbers(file, rows[1:], delimiter, len(factors))
     columns = {name: factor * values[:, i] for i, (name, factor) in enumerate(factors.items())}
     return Table(file, columns, np.array([n for n, _ in rows[1:]]), said, tuple(remarks))
+
+
+def delimiter_of(heading: str) -> str:
+    """What stands between the columns of a table, by the line that names them."""
+    return max(DELIMITERS, key=heading.count)
 
 
 def _example(units: Mapping[str, str]) -> str:

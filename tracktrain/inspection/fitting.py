@@ -17,7 +17,7 @@ from ..geometry.errors import GeometryError
 from ..geometry.spectra import PUBLISHED, published
 from ..studies.common.outcome import Outcome
 from . import densities, pictures, whittle
-from .whittle import Estimate, Fit, Periodogram
+from .whittle import Estimate, Fit, NoCornerError, Periodogram
 
 Array = np.ndarray
 Band = tuple[float, float]
@@ -50,11 +50,11 @@ def fit(track: TrackData, form: str = FORM, waves: Band | None = None) -> Outcom
     band = waves or (max(WAVES[0], 2 * track.spacing), WAVES[1])
     if waves is None and 2 * band[0] < _longest(track) < band[1]:
         band = band[0], _longest(track)
-    fits, measured = {}, {}
-    for channel in channels:
-        values = track.values[CHANNELS.index(channel)]
-        measured[channel] = whittle.periodogram(values, track.spacing, band)
-        fits[channel] = _fit(measured[channel], channel, form)
+    measured = {
+        channel: whittle.periodogram(track.values[CHANNELS.index(channel)], track.spacing, band)
+        for channel in channels
+    }
+    fits, other = _fits(measured, form)
     table = pd.concat([_rows(fits[channel]) for channel in channels], ignore_index=True)
     return Outcome(
         title=f"Spectrum of {track.name}, waves of {band[0]:.4g} to {band[1]:.4g} m: {form}",
@@ -62,12 +62,34 @@ def fit(track: TrackData, form: str = FORM, waves: Band | None = None) -> Outcom
         tables={"fit": table},
         pictures={"spectra": pictures.fitted(track, fits)},
         files={"spectrum.csv": as_text(track, form, fits, band).encode()},
-        notes=_notes(fits),
+        notes=[*_notes(fits), *other],
     )
 
 
 def _longest(track: TrackData) -> float:
     return track.spacing * track.values.shape[1] / whittle.LEAST_WAVES
+
+
+def _fits(measured: dict[str, Periodogram], form: str) -> tuple[dict[str, Fit], list[str]]:
+    """By channel, and a note on each that is not of the form, where a published spectrum stands.
+
+    Raises GeometryError where no channel is of the form.
+    """
+    fits, notes, reasons = {}, [], []
+    for channel, each in measured.items():
+        try:
+            fits[channel] = _fit(each, channel, form)
+        except NoCornerError as error:
+            fits[channel] = _fit(each, channel, NEAREST)
+            reasons.append(error)
+            notes.append(
+                f"no parameters of the form make the {pictures.spoken(channel)} likeliest in these "
+                f"waves: {fits[channel].form} times a scale stands for it, the nearest published "
+                "spectrum"
+            )
+    if len(reasons) == len(measured):
+        raise reasons[0]
+    return fits, notes
 
 
 def _fit(measured: Periodogram, channel: str, form: str) -> Fit:

@@ -57,6 +57,10 @@ class Estimate:
     held: bool = False
 
 
+class NoCornerError(GeometryError):
+    """A channel that no parameters of the form make likeliest."""
+
+
 @dataclass(frozen=True, eq=False)
 class Fit:
     """A spectrum of a channel: its parameters, its density [m^2/(cycle/m)] over [cycle/m].
@@ -130,7 +134,7 @@ def fit_form(measured: Periodogram, channel: str) -> Fit:
         )
     except np.linalg.LinAlgError:
         low, high = measured.band
-        raise GeometryError(
+        raise NoCornerError(
             f"the {channel} is not of the form of the FRA classes: no corner within waves of "
             f"{1 / high:.4g} to {1 / low:.4g} m makes it likeliest; give other --waves, or "
             "--form nearest, which fits a published spectrum by its scale"

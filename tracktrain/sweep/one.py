@@ -18,6 +18,9 @@ Row = dict[str, Any]
 LOAD_RATIOS = "*.l_over_v"
 """Outputs whose largest value is a column of its own."""
 
+CURVATURE = "*.curvature"
+"""Output of a line with curves, whose part of a response has no frequency."""
+
 NUMBERS = {
     "l_over_v.max": "1",
     "energy_residual": "1",
@@ -57,7 +60,7 @@ def run_one(options: Mapping[str, Any], outputs: Sequence[str] | None, reuse: bo
         outputs = outputs or layout_of(system).printed
         run = simulate(
             system,
-            record=[*outputs, LOAD_RATIOS],
+            record=[*outputs, LOAD_RATIOS, CURVATURE],
             session=session() if reuse else None,
             **coupled,
         )
@@ -77,6 +80,8 @@ def run_one(options: Mapping[str, Any], outputs: Sequence[str] | None, reuse: bo
 def _numbers(run: Run, outputs: Sequence[str]) -> Row:
     from orchestrator import dominant_frequency, peak, picked, rms
 
+    from ..statistics import swaying
+
     data = run.signals
     row: Row = {"units": {}}
     names = [str(name) for name in data.data_vars]
@@ -86,7 +91,7 @@ def _numbers(run: Run, outputs: Sequence[str]) -> Row:
             values = data[name]
             unit = str(values.attrs.get("units", "1"))
             row |= {f"{name}.rms": rms(values), f"{name}.peak": peak(values)}
-            row[f"{name}.frequency"] = dominant_frequency(values)
+            row[f"{name}.frequency"] = dominant_frequency(swaying(data, name))
             row["units"] |= {f"{name}.rms": unit, f"{name}.peak": unit, f"{name}.frequency": "Hz"}
     ratios = [_largest(data, str(n)) for n in data.data_vars if fnmatchcase(str(n), LOAD_RATIOS)]
     if ratios:

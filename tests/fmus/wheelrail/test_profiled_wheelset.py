@@ -323,6 +323,16 @@ def test_a_table_holds_for_the_yaw_that_it_has(coned, over_yaw):
         assert (limit.least, limit.largest) == (-largest, largest)
 
 
+def test_a_wheel_without_a_flange_holds_for_its_tread_and_has_no_flange_to_be_told_of(coned):
+    bare = block(replace(cone(), flange=None))
+    flanged = {limit.name for limit in coned.limits}
+    assert {limit.name for limit in bare.limits} ^ flanged == {
+        "flange", "off_the_flange", "off_the_tread",
+    }  # fmt: skip
+    (end,) = (limit for limit in bare.limits if limit.name == "off_the_tread")
+    assert end.void and end.least == 0.0 and "without a flange" in end.beyond
+
+
 def test_what_makes_no_table_is_refused():
     good = cone()
     with pytest.raises(ParameterError, match="from 0"):

@@ -18,6 +18,7 @@ from tracktrain.comparison.differences import differences
 from tracktrain.comparison.numbers import numbers
 from tracktrain.errors import TracktrainError
 from tracktrain.quantities import shown_quantities
+from tracktrain.statistics import dominant, swaying
 
 TIME = np.linspace(0.0, 10.0, 1001)
 
@@ -85,6 +86,25 @@ def test_a_difference_counts_when_it_is_larger_than_the_intervals(
     found = numbers(runs, shown_quantities(runs)).iloc[:1]
     assert found["b differs"].tolist() == [answer]
     assert 0.5 < float(found["a ± [%]"].iloc[0]) < 10.0
+
+
+def test_equal_numbers_do_not_differ_though_their_intervals_are_not_known() -> None:
+    time = np.linspace(0.0, 2.0, 201)
+    one = xr.Dataset({"y": ("time", np.sin(9.0 * time), {"units": "m"})}, {"time": time})
+    found = numbers({"a": one, "b": one.copy()}, shown_quantities({"a": one, "b": one}))
+    assert set(found["b differs"]) == {"no"}
+
+
+def test_the_dominant_frequency_of_a_run_through_a_curve_is_that_of_the_motion() -> None:
+    time = np.linspace(0.0, 40.0, 4001)
+    curve = np.clip(np.minimum(time - 8.0, 30.0 - time) / 4.0, 0.0, 1.0)
+    motion = 8.0 * curve + np.sin(2.0 * np.pi * time)
+    columns = {"track.curvature": curve / 600.0, "wheelset_11.y_rel": motion}
+    data = xr.Dataset({k: ("time", v, {"units": "m"}) for k, v in columns.items()}, {"time": time})
+    assert dominant(data["wheelset_11.y_rel"]).value < 0.1
+    assert dominant(swaying(data, "wheelset_11.y_rel")).value == pytest.approx(1.0, rel=0.01)
+    straight = data.assign({"track.curvature": 0.0 * data["track.curvature"]})
+    np.testing.assert_array_equal(swaying(straight, "wheelset_11.y_rel").values, motion)
 
 
 def test_a_run_that_still_grows_is_said_and_its_numbers_are_its_own_span(tmp_path: Path) -> None:

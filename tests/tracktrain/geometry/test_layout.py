@@ -64,6 +64,8 @@ def laid(path, spacing=0.25):
 
 def test_a_list_in_toml_is_that_in_csv(file):
     assert read_layout(file(TOML)) == read_layout(file(CSV, "csv"))
+    written_in_europe = CSV.replace(",", ";").replace("400", "400,0").replace("\n", "\r\n")
+    assert read_layout(file(written_in_europe, "csv")) == read_layout(file(TOML))
 
 
 def test_a_right_curve_has_its_left_rail_high_and_ramps_are_straight_lines(file):

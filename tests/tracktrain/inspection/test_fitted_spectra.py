@@ -140,3 +140,16 @@ def test_a_sinusoid_is_not_of_the_form_and_that_is_said():
     track = replace(track, values=np.tile(1e-3 * np.sin(track.stations), (len(CHANNELS), 1)))
     with pytest.raises(GeometryError, match=r"alignment is not of the form .*--form nearest"):
         fit(track)
+
+
+def test_a_channel_that_is_not_of_the_form_leaves_the_others_their_fits(made):
+    values = made.values.copy()
+    cross_level = CHANNELS.index("cross_level")  # of f^-4, which is steeper than the form can be
+    values[cross_level] = gaussian(
+        lambda f: 1e-9 * f**-4.0, SPACING, len(made.stations), np.random.default_rng(1), (1.0, 60.0)
+    )
+    found = fit(replace(made, values=values))
+    spectra = found.tables["fit"].groupby("channel")["spectrum"].first()
+    assert spectra["cross-level"] != "FRA form"
+    assert (spectra.drop("cross-level") == "FRA form").all()
+    assert any("cross-level likeliest" in note for note in found.notes)

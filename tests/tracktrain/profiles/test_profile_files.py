@@ -14,6 +14,8 @@ from tracktrain.profiles.writing import as_text
 
 WHEEL, RAIL = shape("conical").points[::4] * 1e3, shape("60e1").points[::5] * 1e3
 """[mm]"""
+STRAY = np.array([0.0, 0.5]) * (np.abs(np.arange(len(WHEEL)) - 90) < 1)[:, np.newaxis]
+"""That one point of the tread stands off [mm]."""
 SAID = "# profile = wheel\n# y positive = outside\n# z positive = up\n"
 
 
@@ -191,6 +193,13 @@ def test_a_missing_sign_is_asked_for(csv):
         profile_of(csv(WHEEL, SAID.replace("z positive", "remark")))
 
 
+def test_scatter_and_corners_are_no_strays(csv):
+    scattered = WHEEL + np.random.default_rng(1).normal(0.0, 0.02, WHEEL.shape)
+    cornered = WHEEL[(WHEEL[:, 0] < -60) | (WHEEL[:, 0] > -58)]
+    for points in (scattered, np.round(WHEEL, 1), cornered):
+        assert profile_of(csv(points)).flanged
+
+
 @pytest.mark.parametrize(
     ("points", "said", "message"),
     [
@@ -204,10 +213,23 @@ def test_a_missing_sign_is_asked_for(csv):
             "the tape circle, at y = 0, does not lie on the wheel.*'tape",
         ),
         (np.vstack([WHEEL[:120], WHEEL[90:]]), SAID, "p.csv, line 1[0-9]+: the profile folds back"),
+        (WHEEL + STRAY, SAID, "p.csv, line 95: the point stands 0.4994 mm off the line of"),
+        (WHEEL - STRAY, SAID, "p.csv, line 95: the point stands 0.4994 mm off the line of"),
         (RAIL * (1, -1), SAID.replace("wheel", "rail"), "p.csv is upside down: the middle"),
         (WHEEL, SAID.replace("= wheel", "= hub"), "p.csv, line 1: profile is 'hub'; say wheel or"),
     ],
-    ids=["inches", "upside-down", "outside-in", "few", "beside", "folded", "rail-down", "word"],
+    ids=[
+        "inches",
+        "upside-down",
+        "outside-in",
+        "few",
+        "beside",
+        "folded",
+        "stray",
+        "pit",
+        "rail-down",
+        "word",
+    ],
 )
 def test_a_bad_profile_is_refused_with_what_to_do(csv, points, said, message):
     with pytest.raises((ParameterError, GeometryError), match=message):
