@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import CouplingError, choices
+from ..fmu.description import Variable
 from ..fmu.given import in_unit
 from ..plan.plan import Plan
 from ..plan.start_values import resolve
@@ -76,31 +77,39 @@ def linearised(
     with linearised(system) as model:
         softer = model({"truck.spring": "200 lbf/in"})
 
-    values: by "instance.variable". The FMUs are loaded once, and reset for further values;
-    CouplingError for one that cannot be.
+    values: by "instance.variable". The FMUs are reset for further values, and loaded anew where one
+    cannot be.
     """
     system, start = system_of(system), in_unit(start, "s", "start")
     plan = plan_whole(system, record)
     with ExitStack() as stack:
-        models = load_models(system, plan, stack, start, start, listener(logger))
-        _check(models)
-        whole, tangent = Whole(plan, models), _Tangent(plan, models)
-        loaded = True
+        loaded: _Loaded | None = None
 
         def model(values: Mapping[str, Value]) -> LinearModel:
             nonlocal loaded
-            if values or not loaded:
-                _begin_again(plan, models, values, start)
-            loaded = False
-            whole.outputs(start, whole.leave_event_mode())
-            return tangent.model()
+            given = _given(plan, values)
+            if loaded is None or not all([m.reset() for m in loaded.models]):
+                stack.close()
+                own = replace(plan, values=given)
+                models = load_models(system, own, stack, start, start, listener(logger))
+                _check(models)
+                loaded = _Loaded(models, Whole(plan, models), _Tangent(plan, models))
+            else:
+                initialize(plan, loaded.models, given, start, start)
+            loaded.whole.outputs(start, loaded.whole.leave_event_mode())
+            return loaded.tangent.model()
 
         yield model
 
 
-def _begin_again(
-    plan: Plan, models: Sequence[Model], values: Mapping[str, Value], start: float
-) -> None:
+class _Loaded(NamedTuple):
+    models: Sequence[Model]
+    whole: Whole
+    tangent: _Tangent
+
+
+def _given(plan: Plan, values: Mapping[str, Value]) -> list[list[tuple[Variable, Value]]]:
+    """The values at the start by instance, some of them changed."""
     given = [{variable.name: (variable, value) for variable, value in own} for own in plan.values]
     for full, value in values.items():
         instance, _, name = full.partition(".")
@@ -111,13 +120,7 @@ def _begin_again(
         place = plan.names.index(instance)
         found = resolve(instance, plan.descriptions[place], name, value)
         given[place] |= {variable.name: (variable, own) for variable, own in found}
-    lasting = [model.name for model in models if not model.reset()]
-    if lasting:
-        raise CouplingError(
-            f"the system cannot be linearised with other values: {', '.join(lasting)} cannot be "
-            "reset; linearise each system for itself"
-        )
-    initialize(plan, models, [tuple(own.values()) for own in given], start, start)
+    return [list(own.values()) for own in given]
 
 
 def _check(models: Sequence[Model]) -> None:

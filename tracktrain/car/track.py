@@ -97,11 +97,12 @@ def on_layout(layout: Path | str, track: str, seed: int = 1, says: Sequence[str]
     return with_layout(plain, elements, name)
 
 
-def time_over(system: System, data: TrackData) -> float:
-    """How long the car needs to the end of the track at its speed [s]."""
+def time_over(system: System, data: TrackData, step: float) -> float:
+    """How long the car needs to the end of the track at its speed, in whole steps [s]."""
     track = system.components[layout_of(system).track].parameters
     start = in_unit(track.get(START, data.first), "m", START)
-    return (data.last - start) / in_unit(track.get("speed", 0.0), "m/s", "speed")
+    end = (data.last - start) / in_unit(track.get("speed", 0.0), "m/s", "speed")
+    return step * math.floor(end / step + 1e-9)
 
 
 def check_length(system: System, data: TrackData, told: str) -> None:

@@ -214,8 +214,8 @@ def chosen_car(shape: Shape) -> System:
     from ..car.track import check_length, time_over
 
     if shape.layout is not None and shape.duration is None and shape.speed_profile is None:
-        end = time_over(system, stations)
-        system = replace(system, experiment=Experiment(0.0, end - end % STEP, STEP))
+        end = time_over(system, stations, STEP)
+        system = replace(system, experiment=Experiment(0.0, end, STEP))
     system = _timed(system, shape)
     kind = "track" if shape.layout is None else "layout"
     check_length(system, stations, f"the {kind} '{shape.layout or shape.track}'")

@@ -153,12 +153,17 @@ def test_the_linear_model_solves_algebraic_loops():
     )
 
 
-def test_the_linear_model_with_other_values_is_that_of_a_system_that_has_them():
-    system = wheelsets(creep_law="polach", vy=-0.05)
+@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
+def test_the_linear_model_with_other_values_is_that_of_a_system_that_has_them(fmi):
+    """An FMU of FMI 2.0 is reset for them, and one of 3.0 is loaded anew."""
+    fmu = fmu_path("wheelrail", fmi)
+    system = System({"b": Component(fmu, {"creep_law": "polach", "vy": -0.05})})
     with linearised(system, record="*.force_y") as model:
         found = [model({"b.conicity": taper}) for taper in (0.1, "0.2")] + [model({})]
         with pytest.raises(OrchestratorError, match="did you mean conicity"):
             model({"b.conicty": 0.1})
+        with pytest.raises(OrchestratorError, match="there is no instance 'c'"):
+            model({"c.conicity": 0.1})
     for taper, one in zip((0.1, 0.2, 0.05), found, strict=True):
         alone = linearise(system.with_value("b.conicity", taper), record="*.force_y")
         assert np.array_equal(one.d, alone.d)

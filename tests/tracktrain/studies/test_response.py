@@ -134,7 +134,7 @@ def test_a_line_turned_the_other_way_is_the_same_motion_mirrored(tmp_path):
         car = StudiedCar(layout=line)
         assert str(car) == f"loaded car along {way}.csv"
         system = car.system(speed=15.0, track="perfect")
-        assert system.experiment.stop == pytest.approx(45.0 / 15.0, abs=1.1e-3)
+        assert system.experiment.stop == pytest.approx(45.0 / 15.0)
         run = simulate(system, duration=system.experiment.stop, record=["*.force_y"])
         forces.append(run.dataset["wheelset_11.force_y"].values)
     assert np.abs(forces[0]).max() > 1e3

@@ -151,8 +151,8 @@ def run_case(
     wheelsets = [axle.wheelset for axle in layout_of(system).axles]
     system = system.with_values({wheelset: given for wheelset in wheelsets})
     system, _ = with_track(system, data)
-    duration = time_over(system, data)
-    run = heard(simulate(system, duration=duration - duration % STEP, step=STEP, session=session))
+    duration = time_over(system, data, STEP)
+    run = heard(simulate(system, duration=duration, step=STEP, session=session))
     if not run.completed and run.time.size < 100:
         return Case(car, line, name, speed, {}, 0, run.message or "")
     found = events(run.dataset)
