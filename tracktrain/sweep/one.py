@@ -18,9 +18,6 @@ Row = dict[str, Any]
 LOAD_RATIOS = "*.l_over_v"
 """Outputs whose largest value is a column of its own."""
 
-CURVATURE = "*.curvature"
-"""Output of a line with curves, whose part of a response has no frequency."""
-
 NUMBERS = {
     "l_over_v.max": "1",
     "energy_residual": "1",
@@ -57,10 +54,12 @@ def run_one(options: Mapping[str, Any], outputs: Sequence[str] | None, reuse: bo
     shape = Shape.taken(coupled)
     try:
         system = chosen_car(shape)
-        outputs = outputs or layout_of(system).printed
+        layout = layout_of(system)
+        outputs = outputs or layout.printed
+        line = {c.source for c in system.connections} & {f"{layout.track}.curvature"}
         run = simulate(
             system,
-            record=[*outputs, LOAD_RATIOS, CURVATURE],
+            record=[*outputs, LOAD_RATIOS, *line],  # whose curves have no frequency
             session=session() if reuse else None,
             **coupled,
         )
