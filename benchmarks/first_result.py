@@ -4,7 +4,8 @@
 
 A new virtual environment, empty caches of ours and of the user, and the commands as a user types
 them. Downloads are part of the first command: pip's own cache is used as it is found, and the
-table says so. The rows below the first repeat commands in the environment that it leaves.
+table says so. The rows below the first two are of commands in the environment that these leave, in
+a folder without sources: of each the median of `TIMES`.
 CPU seconds are those of all processes of a command. folder: where to work; else a temporary one.
 """
 
@@ -22,11 +23,13 @@ import time
 import venv
 from collections.abc import Mapping
 from pathlib import Path
+from statistics import median
 
 ROOT = Path(__file__).parents[1]
 RESULT = Path(__file__).parent / "results" / "first_result.md"
 RUN = "tracktrain run"
 SHORT = "tracktrain run --speed '60 ft/s' --track report --duration 8s"
+TIMES = 3
 
 
 def main(folder: Path) -> None:
@@ -52,11 +55,12 @@ def main(folder: Path) -> None:
     installed = megabytes(environment) - before
     rows.append(timed("first command, the run", first, project, settings))
     rows += [
-        timed("again, warm", RUN, project, settings),
-        timed("8 s instead of a minute, warm", SHORT, project, settings),
-        timed("with its page, warm", f"{SHORT} --report", project, settings),
-        timed("import orchestrator", "python -c 'import orchestrator'", project, settings),
-        timed("help", "tracktrain run --help", project, settings),
+        timed("again, warm", RUN, folder, settings, TIMES),
+        timed("with its page, warm", f"{RUN} --report", folder, settings, TIMES),
+        timed("8 s instead of a minute, warm", SHORT, folder, settings, TIMES),
+        timed("that with its page, warm", f"{SHORT} --report", folder, settings, TIMES),
+        timed("import orchestrator", "python -c 'import orchestrator'", folder, settings, TIMES),
+        timed("help", "tracktrain run --help", folder, settings, TIMES),
     ]
     written = table(rows, installed, megabytes(cache), busy)
     RESULT.write_text(written, encoding="utf-8")
@@ -79,8 +83,18 @@ def pip_cache() -> str:
     return subprocess.check_output(asked, text=True).strip()
 
 
-def timed(what: str, command: str, folder: Path, settings: Mapping[str, str]) -> tuple[str, ...]:
-    """A command's wall and CPU time [s]; ends the program where it fails."""
+def timed(
+    what: str, command: str, folder: Path, settings: Mapping[str, str], times: int = 1
+) -> tuple[str, ...]:
+    """A command's wall and CPU time [s], medians of several; ends the program where it fails."""
+    found = [spent(command, folder, settings) for _ in range(times)]
+    wall, used = (median(each) for each in zip(*found, strict=True))
+    print(f"{what}: {wall:.1f} s wall, {used:.1f} s CPU", flush=True)
+    return what, f"`{command}`", f"{wall:.2f}", f"{used:.2f}"
+
+
+def spent(command: str, folder: Path, settings: Mapping[str, str]) -> tuple[float, float]:
+    """Wall and CPU time of a command [s]."""
     before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     done = subprocess.run(
         command, shell=True, cwd=folder, env=settings, capture_output=True, text=True, check=False
@@ -88,9 +102,7 @@ def timed(what: str, command: str, folder: Path, settings: Mapping[str, str]) ->
     wall, after = time.perf_counter() - begin, resource.getrusage(resource.RUSAGE_CHILDREN)
     if done.returncode:
         raise SystemExit(f"{command} failed:\n{done.stdout}\n{done.stderr}")
-    used = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
-    print(f"{what}: {wall:.1f} s wall, {used:.1f} s CPU", flush=True)
-    return what, f"`{command}`", f"{wall:.2f}", f"{used:.2f}"
+    return wall, after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
 
 
 def megabytes(folder: Path) -> float:

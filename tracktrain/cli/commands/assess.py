@@ -68,8 +68,15 @@ def command(folder: Path, sections: bool, as_json: bool, quiet: bool) -> None:
         if cut is not None:
             print_whole(console, printable(cut[SHOWN], "by sections (EN 14363)"))
             if few := int((cut["sections"] < cut["wanted"]).sum()):
-                console.print(f"{few} of {len(cut)} estimates are from fewer sections than wanted")
-            console.print(f"mean and factor deviations over sections: {folder / SECTIONS}, *")
+                console.print(
+                    f"{few} of {len(cut)} estimates are from fewer sections than wanted; a longer "
+                    "run has more of them"
+                )
+            console.print(
+                f"estimate: mean and factor deviations over sections *; both: {folder / SECTIONS}",
+                markup=False,
+                highlight=False,
+            )
         print_events(console, found)
         console.print("for comparison: the rule is for other vehicles, track or speeds (its scope)")
         console.print("≥ the least value that is allowed; other limits are the largest")
