@@ -11,11 +11,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy  # its parts load when they are used
+from numpy.typing import NDArray
 
 from ..errors import ParameterError
 from ..wheelrail.contact_table import ContactTable
-from .profile import Array
+
+Array = NDArray[np.float64]
 
 FINE = 1e-5
 """Step of the shift [m] between which the difference of radii is taken as linear, at most."""
@@ -93,7 +95,7 @@ class RadiusDifference:
         last = min(self.middle, self.shift[-1] - 2 * amplitude)
         if first > last or unbalanced(first) < 0 or unbalanced(last) > 0:
             return np.nan, np.nan
-        low = brentq(unbalanced, first, last, xtol=1e-14)
+        low = scipy.optimize.brentq(unbalanced, first, last, xtol=1e-14)
         return low, low + 2 * amplitude
 
     def by_integration(self, amplitude: float) -> float:

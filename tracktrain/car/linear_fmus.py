@@ -16,8 +16,8 @@ from orchestrator import Component, System, Value, describe, in_unit, linearise,
 from .hopper import layout_of
 from .layout import SIDES, Layout
 from .linear_motion import Array, LinearMotion
+from .rolling_line import line_of
 from .spreads import Uncertain
-from .wheelsets import line_of
 
 SPEEDS = (10.0, 40.0)
 """Two speeds [m/s]: a creepage is a motion over the speed, so that A = B + C/V, whatever the creep

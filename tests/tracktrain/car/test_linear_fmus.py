@@ -14,8 +14,9 @@ from tracktrain.car.hopper import HOPPER, hopper_car, parameters_of
 from tracktrain.car.linear import LinearCar
 from tracktrain.car.linear_fmus import LinearFmus
 from tracktrain.car.modes import critical_speeds, growing
+from tracktrain.car.rolling_line import rolling_line
 from tracktrain.car.spreads import uncertain
-from tracktrain.car.wheelsets import rolling_line, with_profiles
+from tracktrain.car.wheelsets import with_profiles
 
 GRID = np.linspace(5.0, 45.0, 9)
 BAND = 1e-6

@@ -1,0 +1,48 @@
+"""Where a wheelset on profiles runs straight, by the contact table that travels in its FMU."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+from fmus.errors import ParameterError
+from fmus.profiles.conicity import RadiusDifference
+from fmus.wheelrail.contact_table import IN_FMU, ContactTable, of_text
+
+
+def of_fmu(path: Path) -> ContactTable:
+    """The contact table in an FMU; raises fmus.ParameterError."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return of_text(archive.read(IN_FMU).decode())
+    except OSError as error:
+        raise ParameterError(f"'{path}' cannot be read: {error.strerror}") from None
+    except (zipfile.BadZipFile, KeyError):
+        raise ParameterError(
+            f"'{path}' is no FMU of a wheelset on profiles ({IN_FMU}); 'tracktrain profile build' "
+            "makes such; --swap wheelset_11=FMU takes any other"
+        ) from None
+
+
+def rolling_line(table: ContactTable) -> float:
+    """Shift of a wheelset to the left at which it runs straight [m].
+
+    0 for alike sides, else where the rolling radii are equal, or least unlike where they are equal
+    nowhere on the treads.
+    """
+    if table.right is None:
+        return 0.0
+    radii = RadiusDifference.of_table(table)
+    try:
+        return radii.middle
+    except ParameterError:
+        return float(radii.shift[np.abs(radii.difference).argmin()])
+
+
+def line_of(fmu: Path) -> float:
+    """The rolling line of a wheelset's FMU [m]; 0 of one that is not on profiles."""
+    with zipfile.ZipFile(fmu) as archive:
+        on_profiles = IN_FMU in archive.namelist()
+    return rolling_line(of_fmu(fmu)) if on_profiles else 0.0
