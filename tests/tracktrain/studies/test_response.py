@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -124,6 +126,11 @@ straight,10,,,
 transition,15,,,
 curve,20,400,{way},30
 """
+
+
+def test_cones_on_straight_track_are_no_profiles_and_no_line():
+    options = {"wheel": "cones", "rail": "crown", "layout": Path("straight"), "speed": 20.0}
+    assert StudiedCar.taken(options) == StudiedCar() and options == {"speed": 20.0}
 
 
 def test_a_line_turned_the_other_way_is_the_same_motion_mirrored(tmp_path):

@@ -48,8 +48,10 @@ class StudiedCar:
 
     @classmethod
     def taken(cls, options: dict[str, Any]) -> StudiedCar:
-        """Take what the options say out of a command's."""
-        return cls(**{f.name: options.pop(f.name) for f in fields(cls) if f.name in options})
+        """Take what the options say out of a command's, `cones` and `straight` as of a run."""
+        own = {f.name: options.pop(f.name) for f in fields(cls) if f.name in options}
+        shape = Shape.taken(own)
+        return cls(**{f.name: getattr(shape, f.name) for f in fields(cls)})
 
     def system(
         self, changes: Mapping[str, float] = NO_CHANGES, along: bool = True, **shape: Any
