@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from dataclasses import dataclass
+from importlib.resources import files
 
 FOOT = 0.3048
 INCH = 0.0254
@@ -12,14 +14,24 @@ GRAVITY = 9.80665
 MILE_PER_HOUR = 0.44704
 
 
+_REST = tomllib.loads(files(__package__).joinpath("scales.toml").read_text("utf-8")).values()
+
+REST: dict[str, float] = {entry["unit"]: float(entry["value"]) for entry in _REST}
+"""By unit, the size up to which a signal of a car is at rest."""
+
+
 @dataclass(frozen=True)
 class Scale:
-    """A unit to show a quantity in, and the report's; factors are per SI unit."""
+    """A unit to show a quantity in, and the report's; factors are per SI unit.
+
+    rest: the size [SI] up to which nothing moves.
+    """
 
     unit: str
     factor: float
     report_unit: str = ""
     report_factor: float = 1.0
+    rest: float = 0.0
 
     @property
     def units(self) -> str:
@@ -43,11 +55,11 @@ class Scale:
         return three_digits(value * self.report_factor)
 
 
-FORCE = Scale("kN", 1e-3, "lb", 1.0 / POUND_FORCE)
-DISPLACEMENT = Scale("mm", 1e3, "in", 1.0 / INCH)
-ACCELERATION = Scale("m/s²", 1.0, "g", 1.0 / GRAVITY)
-ANGLE = Scale("mrad", 1e3, "deg", 180.0 / math.pi)
-RATIO = Scale("", 1.0)
+FORCE = Scale("kN", 1e-3, "lb", 1.0 / POUND_FORCE, REST["N"])
+DISPLACEMENT = Scale("mm", 1e3, "in", 1.0 / INCH, REST["m"])
+ACCELERATION = Scale("m/s²", 1.0, "g", 1.0 / GRAVITY, REST["m/s2"])
+ANGLE = Scale("mrad", 1e3, "deg", 180.0 / math.pi, REST["rad"])
+RATIO = Scale("", 1.0, rest=REST["1"])
 
 
 def three_digits(value: float) -> str:

@@ -66,10 +66,20 @@ def without_curves(values: Array, curvature: Array) -> Array:
     return np.asarray(values - shapes[:, 1:] @ np.linalg.lstsq(shapes, values, rcond=None)[0][1:])
 
 
-def dominant(response: Response) -> Estimate:
+def excited(response: Response, rest: float = 0.0) -> bool:
+    """Whether a response leaves zero by more than its rest [SI], which is rounding."""
+    return bool(np.any(~(np.abs(response.values) <= rest)))
+
+
+def moves(response: Response, rest: float = 0.0) -> bool:
+    """Whether a response varies by more than its rest [SI]."""
+    return response.size > 0 and not np.ptp(response.values) <= rest
+
+
+def dominant(response: Response, rest: float = 0.0) -> Estimate:
     """The dominant frequency [Hz]; unknown for what is short or does not move."""
-    moves = response.size > LEAST and bool(np.any(response.values != response.values[0]))
-    return frequency_of(response) if moves else UNKNOWN
+    known = response.size > LEAST and moves(response, rest)
+    return frequency_of(response) if known else UNKNOWN
 
 
 def uncertainty(found: Estimate) -> float:

@@ -43,9 +43,9 @@ def dominant_frequency(response: Response) -> float:
     that of the parabola through the logarithms of three lines.
     """
     values, time = response.values, response["time"].values
-    moving = values - np.mean(values)
-    if values.size < 4 or not np.any(moving):
+    if values.size < 4 or not np.any(values != values[0]):
         return float("nan")
+    moving = values - np.mean(values)
     size = np.abs(np.fft.rfft(moving * _hann(values.size)))
     line = int(np.argmax(size[1:])) + 1
     shift = 0.0

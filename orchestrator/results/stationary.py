@@ -193,18 +193,19 @@ def percentile_of(response: Response, share: float) -> Estimate:
     return Estimate(value, low, high)
 
 
-def settling(response: Response) -> Settling:
+def settling(response: Response, rest: float = 0.0) -> Settling:
     """Whether statistics of a response mean something, and what they need.
 
     A trend is that of the logarithm of the batches' rms over time, where Student's test of the
-    slope finds it (1 %), and where it changes the rms by a quarter or more.
+    slope finds it (1 %), and where it changes the rms by a quarter or more. rest: the range within
+    which a response is still [its unit].
     """
     time, values = response["time"].values, response.values
     duration = float(time[-1] - time[0]) if time.size else 0.0
     if values.size and not np.all(np.isfinite(_square(_square(values)))):
         return Settling(State.BURST, inf, inf, 0.0, 0.0, nan)
     square = _square(values - values.mean()) if values.size else values
-    if values.size < 4 * BATCHES or not np.any(values != values[0]):
+    if values.size < 4 * BATCHES or np.ptp(values) <= rest:
         rows = max(values.size, 1)
         state = State.SHORT if rows < 4 * BATCHES else State.STILL
         return Settling(state, 1.0, 0.0, 0.0, 0.0, duration * 4 * BATCHES / rows)

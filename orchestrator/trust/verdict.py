@@ -23,6 +23,9 @@ SMALL_ERROR, LARGE_ERROR = 0.01, 0.2
 JUMPING = 0.5
 """Change of a force from step to step over twice its size, above which it jumps to and fro."""
 
+NOTHING = 1e-15
+"""Energy [J] up to which nothing passed: what rounding leaves in a system that is at rest."""
+
 _ORDER = [Level.GOOD, Level.UNKNOWN, Level.DOUBTFUL, Level.BAD]
 
 Said = tuple[Level, str]
@@ -125,7 +128,7 @@ def worst_bond(bonds: Sequence[BondResidual]) -> BondResidual | None:
 
 def _carrying(bonds: Sequence[BondResidual]) -> list[BondResidual]:
     busiest = max((bond.passed for bond in bonds), default=0.0)
-    return [bond for bond in bonds if not bond.passed <= CARRYING * busiest]
+    return [bond for bond in bonds if not bond.passed <= max(CARRYING * busiest, NOTHING)]
 
 
 def _tests(tests: Mapping[str, SelfTest]) -> list[tuple[Level, str]]:

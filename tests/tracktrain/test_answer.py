@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import json
+from io import StringIO
 
 import numpy as np
 import pytest
 import xarray as xr
+from rich.console import Console
 
 from orchestrator import Level, Verdict, simulate
 from tracktrain import answer, hopper_car
 from tracktrain.answer import counted, parts
 from tracktrain.answer.numbers import of_numbers
 from tracktrain.answer.standing import Standing
+from tracktrain.cli.summary import _responses, numbers
 from tracktrain.scales import FOOT
 
 STEP, DURATION = 0.01, 60.0
@@ -39,6 +42,20 @@ def test_a_settled_run_is_good_and_what_does_not_move_is_not_excited():
     said = answer_of(run_of())
     assert said.startswith("Answer: good. Settled")
     assert "Not excited: vertical acceleration" in said
+
+
+def test_a_car_that_came_to_rest_does_not_move_for_what_rounding_leaves():
+    left = run_of(amplitude=1e-13)
+    rounding = 1e-9 * np.random.default_rng(2).normal(size=left.sizes["time"])
+    left["carbody.cg.az"] = ("time", rounding, {"units": "m/s2"})
+    said = answer_of(left)
+    assert said.startswith("Answer: unknown. Nothing that is judged moves")
+    assert "Not excited: displacement to rail, vertical acceleration" in said
+    for found in numbers(left).values():
+        assert np.isnan(found["dominant frequency [Hz]"].value)
+    console = Console(width=120, record=True, file=StringIO())
+    console.print(_responses(left, ()))
+    assert console.export_text().count("not excited") == 2
 
 
 def test_a_growing_run_says_how_much_and_how_long_to_run():

@@ -64,10 +64,10 @@ def parts(
 def moving(dataset: Responses) -> dict[str, Settling]:
     """How what is printed of a run settles, by its label; of another system its first outputs."""
     shown = [s for s in layout_of(dataset).quantities.values() if s.variable in dataset]
-    named = {s.label: s.variable for s in shown} or {
-        str(name): str(name) for name in list(dataset.data_vars)[:MOST]
+    named = {s.label: (s.variable, s.scale.rest) for s in shown} or {
+        str(name): (str(name), 0.0) for name in list(dataset.data_vars)[:MOST]
     }
-    return {label: settling(dataset[variable]) for label, variable in named.items()}
+    return {label: settling(dataset[name], rest) for label, (name, rest) in named.items()}
 
 
 def counted(dataset: Responses, start: float | None, settle: bool) -> Responses:

@@ -15,6 +15,7 @@ from ..car.hopper import layout_of
 from ..car.layout import SIDES, Axle, Truck
 from ..geometry.sections import Section, curves, sections
 from ..rows import together
+from ..scales import REST
 from ..statistics import without_curves
 from . import windows
 from .rules import Band, ForeignError, NotApplicableError, Rule, parameter
@@ -23,9 +24,6 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 SAMPLES_PER_CYCLE = 4
 """At the upper corner of a filter, at least."""
-
-ROUNDING = 1e-12
-"""Share of a wheel load within which it stands still."""
 
 LEAST_CURVE = 20.0
 """Of a full curve [m], somewhat more than the car's length."""
@@ -72,7 +70,8 @@ class Car:
 
     def __getitem__(self, name: str) -> Array:
         values = self._read(name)
-        self._moved.append(bool(values.any()))
+        rest = REST.get(str(self._dataset[name].attrs.get("units")), 0.0)
+        self._moved.append(bool(np.any(np.abs(values) > rest)))
         return values
 
     def excited(self) -> bool:
@@ -144,7 +143,7 @@ class Car:
     def load(self, axle: Axle, side: str, rule: Rule) -> Array:
         """Vertical force of a wheel on its rail [N]."""
         load = self._read(f"{axle.port}.load_{side}")
-        self._moved.append(bool(np.ptp(load) > ROUNDING * np.abs(load).max()))
+        self._moved.append(bool(np.ptp(load) > REST["N"]))
         return self.filtered(load, rule.band)
 
     def lateral(self, axle: Axle, side: str, rule: Rule) -> Array:

@@ -28,6 +28,8 @@ FOLLOWS = {
 """Elements whose limit is not their parameter's unless this one has one of these values."""
 
 ROUNDING = 1e-9
+"""Share of a limit that does not count."""
+
 ALWAYS = 0.95
 """Share of the rows from which an element counts as one that always slips."""
 
@@ -75,8 +77,14 @@ def slips(dataset: Responses) -> list[Slip]:
             least[name], most[name] = min(least[name], force.min()), max(most[name], force.max())
     rows = max(dataset.sizes["time"], 1)
     return [
-        Slip(truck, element, counts[name] / rows, used[name], bool(most[name] > least[name]))
-        for name, (truck, element, _) in limits.items()
+        Slip(
+            truck,
+            element,
+            counts[name] / rows,
+            used[name],
+            bool(most[name] - least[name] > ROUNDING * limit),
+        )
+        for name, (truck, element, limit) in limits.items()
     ]
 
 

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
@@ -14,7 +13,7 @@ from orchestrator import Estimate, Responses, dominant_frequency, peak, rms
 
 from ..car.hopper import layout_of
 from ..scales import Scale, three_digits
-from ..statistics import STATISTICS, dominant, swaying, uncertainty
+from ..statistics import STATISTICS, dominant, excited, moves, swaying, uncertainty
 from ..terminal import print_whole
 
 if TYPE_CHECKING:
@@ -49,16 +48,14 @@ def print_summary(console: Console, run: Run, counted: Responses) -> None:
 
 def numbers(dataset: Responses) -> dict[str, dict[str, Any]]:
     """The statistics of the table by variable, each with its interval, in the variable's unit."""
-    shown = (
-        row[0] for rows in (_known(dataset) or _first(dataset)).values() for row in rows.values()
-    )
+    shown = (row for rows in (_known(dataset) or _first(dataset)).values() for row in rows.values())
     return {
         variable: {
             "unit": dataset[variable].attrs.get("units", ""),
             **{name: found(dataset[variable]) for name, found in STATISTICS.items()},
-            "dominant frequency [Hz]": dominant(swaying(dataset, variable)),
+            "dominant frequency [Hz]": dominant(swaying(dataset, variable), scale.rest),
         }
-        for variable in shown
+        for variable, scale in shown
     }
 
 
@@ -109,19 +106,19 @@ def _first(dataset: Responses) -> Mapping[str, Mapping[str, tuple[str, Scale]]]:
 def _statistics(
     dataset: Responses, variable: str, scale: Scale, chosen: Sequence[str]
 ) -> list[str]:
-    values = dataset[variable]
-    moves = values.size > 2 and bool(np.any(values.values != values.values[0]))
+    values, sways = dataset[variable], swaying(dataset, variable)
+    varies = values.size > 2 and moves(sways, scale.rest)
     width = 2 * (len(chosen) + 1) if chosen else 3
-    if not moves and not np.any(values.values):
+    if not excited(values, scale.rest):
         return [*["-"] * (width - 1), "not excited"]
     if not chosen:
-        frequency = f"{dominant_frequency(swaying(dataset, variable)):.2f} Hz" if moves else "-"
+        frequency = f"{dominant_frequency(sways):.2f} Hz" if varies else "-"
         return [scale.numbers(rms(values)), scale.numbers(peak(values)), frequency]
     cells = []
     for found in (STATISTICS[name](values) for name in chosen):
-        cells += [scale.numbers(found.value), _uncertainty(found) if moves else "-"]
-    found = dominant(swaying(dataset, variable))
-    return [*cells, *((f"{found.value:.2f} Hz", _uncertainty(found)) if moves else ("-", "-"))]
+        cells += [scale.numbers(found.value), _uncertainty(found) if varies else "-"]
+    found = dominant(sways)
+    return [*cells, *((f"{found.value:.2f} Hz", _uncertainty(found)) if varies else ("-", "-"))]
 
 
 def _uncertainty(found: Estimate) -> str:

@@ -11,7 +11,7 @@ import xarray as xr
 from orchestrator import Estimate, State, settling
 
 from ..car.layout import Shown
-from ..statistics import STATISTICS, UNKNOWN, differ, dominant, swaying, uncertainty
+from ..statistics import STATISTICS, UNKNOWN, differ, dominant, excited, swaying, uncertainty
 
 FREQUENCY = "dominant frequency [Hz]"
 
@@ -47,7 +47,7 @@ def unsettled(runs: Mapping[str, xr.Dataset], shown: Sequence[Shown]) -> list[st
     remarks = []
     for name, data in runs.items():
         present = (q for q in shown if q.variable in data)
-        states = {q.label: settling(data[q.variable]).state for q in present}
+        states = {q.label: settling(data[q.variable], q.scale.rest).state for q in present}
         moving = {k: s for k, s in states.items() if s not in (State.SETTLED, State.STILL)}
         if moving:
             said = ", ".join(f"{label} {state.value}" for label, state in moving.items())
@@ -60,7 +60,7 @@ def still(runs: Mapping[str, xr.Dataset], shown: Sequence[Shown]) -> list[str]:
     remarks = []
     for name, data in runs.items():
         present = (q for q in shown if q.variable in data)
-        found = [q.label for q in present if not data[q.variable].values.any()]
+        found = [q.label for q in present if not excited(data[q.variable], q.scale.rest)]
         if found:
             remarks.append(f"not excited in {name}: {', '.join(found)}")
     return remarks
@@ -79,8 +79,10 @@ def _rows(
         )
         for name, of in STATISTICS.items()
     ]
-    name = quantity.variable
-    frequencies = [dominant(swaying(d, name)) if name in d else UNKNOWN for d in runs.values()]
+    name, rest = quantity.variable, quantity.scale.rest
+    frequencies = [
+        dominant(swaying(data, name), rest) if name in data else UNKNOWN for data in runs.values()
+    ]
     return [*rows, ((quantity.label, FREQUENCY), frequencies)]
 
 

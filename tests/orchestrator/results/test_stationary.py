@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.signal import lfilter
 
+from orchestrator.results.metrics import dominant_frequency
 from orchestrator.results.quantiles import normal, student
 from orchestrator.results.stationary import (
     Estimate,
@@ -132,6 +133,11 @@ def test_a_run_shorter_than_its_periods_is_too_short() -> None:
 
 def test_what_does_not_move_is_still() -> None:
     assert settling(response(np.zeros(ROWS))).state is State.STILL
+    assert settling(response(1e-12 * sine()), rest=1e-11).state is State.STILL
+
+
+def test_a_value_that_is_held_has_no_frequency() -> None:
+    assert np.isnan(dominant_frequency(response(np.full(ROWS, 0.1))))
 
 
 def test_what_blew_up_is_said_and_has_no_interval() -> None:

@@ -30,6 +30,8 @@ def test_residual_decides_the_level(residual, level):
 def test_a_bond_that_carries_rounding_does_not_count():
     bonds = [*QUIET, BondResidual("idle", 1e-12, 1e-12, jumps=1.0)]
     assert judge(None, bonds, Evidence()).level.value == "good"
+    at_rest = [BondResidual(name, 1e-20, 1e-20, jumps=1.0) for name in ("one", "other")]
+    assert judge(None, at_rest, Evidence(PASSED)).level.value == "unknown"
 
 
 @pytest.mark.parametrize(("step", "level"), [(4e-3, "good"), (6e-3, "doubtful"), (11e-3, "bad")])

@@ -40,6 +40,11 @@ def test_friction_below_its_limit_never_slips_and_says_how_much_was_used():
     )
 
 
+def test_friction_that_only_rounding_works_is_not_excited():
+    (still,) = remarks(run_of(1e-13 * np.sin(np.linspace(0, 9, 101))))
+    assert still.startswith("friction that is not excited") and "warp (truck_front)" in still
+
+
 def test_friction_that_slips_at_times_is_not_told():
     assert not any(
         "warp" in said for said in remarks(run_of(np.where(np.arange(101) < 50, 1, -0.5)))

@@ -28,9 +28,6 @@ COLOURS = (BLUE, GREEN, RED, PURPLE)
 LOWEST = 0.25
 """Lowest frequency that is drawn [Hz]."""
 
-SILENT = 1e-20
-"""A response of a smaller mean square [SI] is not drawn: it is zero but for rounding."""
-
 
 def history_figures(
     drawn: Sequence[xr.Dataset], speeds: Sequence[float], report_speeds: Sequence[float]
@@ -131,7 +128,11 @@ def envelope_figure(
 
 def _moving(data: xr.Dataset, responses: Mapping[str, Shown]) -> list[str]:
     """Responses that are more than rounding; the first of all where nothing moves."""
-    found = [name for name in responses if float(data[f"{name}_rms"].max()) ** 2 > SILENT]
+    found = [
+        name
+        for name, shown in responses.items()
+        if float(data[f"{name}_rms"].max()) > shown.scale.rest
+    ]
     return found or list(responses)[:1]
 
 
