@@ -112,10 +112,10 @@ def _draw(
             "color": COLOURS[number % len(COLOURS)],
             "alpha": 0.85,
         }
-        if spectra:
-            _draw_spectrum(axes, x, y, said)
-        else:
+        if not spectra:
             axes.plot(*(envelope(x, y) if over.ordered else (x, y)), **said)
+        elif np.ptp(y) > signal.scale.rest * signal.scale.factor:
+            _draw_spectrum(axes, x, y, said)
     highest = max((float(np.max(line.get_ydata())) for line in axes.lines), default=0.0)
     if spectra and highest > 0.0:
         axes.set_ylim(bottom=FLOOR * highest)
@@ -125,7 +125,7 @@ def _draw(
 
 def _draw_spectrum(axes: Axes, x: Array, y: Array, said: Mapping[str, Any]) -> None:
     """Of values at equal distances over x, or brought there."""
-    if len(x) < LEAST_ROWS or np.ptp(y) <= 0.0 or x[-1] <= x[0]:
+    if len(x) < LEAST_ROWS or x[-1] <= x[0]:
         return
     even = np.linspace(x[0], x[-1], len(x))
     rate = (len(x) - 1) / float(x[-1] - x[0])

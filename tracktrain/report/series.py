@@ -31,12 +31,13 @@ def signals(
     """Every signal: what it is, arrays of it, and how many rows two points of a curve stand for.
 
     Arrays: time (points), signals (signals, points), frequency [Hz] (lines), density (signals,
-    lines). points: most of a curve. The signals are read one after the other, since a long run does
-    not fit into memory.
+    lines), which is 0 of what is at rest. points: most of a curve. The signals are read one after
+    the other, since a long run does not fit into memory.
     """
     time = dataset["time"].values
     width = max(int(np.ceil(2 * len(time) / points)), 3) if len(time) > points else 1
     rate = (len(time) - 1) / float(time[-1] - time[0])
+    rests = {s.variable: s.scale.rest for s in layout_of(dataset).quantities.values()}
     said, curves, frequency = [], [], np.empty(0)
     densities: list[Array] = []
     read = each(dataset, [str(name) for name in dataset.data_vars])
@@ -46,6 +47,8 @@ def signals(
             said.append(_described(name, variable.attrs, values))
             curves.append(envelope(values, width))
         frequency, density = spectrum(rows, rate)
+        still = np.ptp(rows, axis=1) <= [rests.get(name, 0.0) for name, _ in together]
+        density[still] = 0.0
         densities.extend(density)
     arrays = {
         "time": envelope_time(time, width),

@@ -27,6 +27,7 @@ from tracktrain.errors import TracktrainError
 from tracktrain.report import page
 from tracktrain.report.motion import modes, scene
 from tracktrain.report.packing import envelope, envelope_time, packed
+from tracktrain.report.series import signals
 from tracktrain.spectra import spectrum
 
 TRUCK = {
@@ -102,6 +103,17 @@ def test_spectrum_has_the_variance_of_the_signal() -> None:
     frequency, density = spectrum(plain(4000)["a.force"].values, 100.0)
     assert np.trapezoid(density, frequency) == pytest.approx(4.5, rel=0.05)
     assert frequency[density.argmax()] == pytest.approx(5.0, abs=0.1)
+
+
+def test_what_is_at_rest_has_no_spectrum() -> None:
+    noise = np.random.default_rng(1).normal(size=4000)
+    columns = {"a.held": np.full(4000, 0.1), "carbody.cg.az": 1e-9 * noise, "a.moving": noise}
+    data = xr.Dataset(
+        {name: ("time", values, {"units": "1"}) for name, values in columns.items()},
+        {"time": 0.01 * np.arange(4000)},
+    )
+    _, arrays, _ = signals(data)
+    assert [bool(np.any(density)) for density in arrays["density"]] == [False, False, True]
 
 
 def test_a_straight_line_is_not_in_the_spectrum() -> None:
