@@ -38,6 +38,10 @@ GROWTH = 1.25
 SURE = 0.01
 """Chance that a trend without a cause is taken for one."""
 
+CLOSE = 0.01
+"""Share of the way between low and high at whose ends both are reached: rounding, where they are
+levels."""
+
 LINES = 5
 """Samples that make one of MSER-5's."""
 
@@ -197,7 +201,8 @@ def settling(response: Response, rest: float = 0.0) -> Settling:
     """Whether statistics of a response mean something, and what they need.
 
     A trend is that of the logarithm of the batches' rms over time, where Student's test of the
-    slope finds it (1 %), and where it changes the rms by a quarter or more. rest: the range within
+    slope finds it (1 %), and where it changes the rms by a quarter or more; what a transient alone
+    adds so much to decays, too. rest: the range within
     which a response is still [its unit].
     """
     time, values = response["time"].values, response.values
@@ -211,12 +216,15 @@ def settling(response: Response, rest: float = 0.0) -> Settling:
         return Settling(state, 1.0, 0.0, 0.0, 0.0, duration * 4 * BATCHES / rows)
     half = values.size // 2
     growth = _ratio(float(square[half:].mean()), float(square[:half].mean()))
-    transient = duration * truncation(square) / values.size
+    begin = truncation(square)
+    transient = duration * begin / values.size
     effective = effective_samples(square)
     rate, trend = _trend(square, duration)
     if trend and abs(rate) * duration > log(GROWTH):
         state = State.GROWING if rate > 0.0 else State.DECAYING
         needed = max(2.0 * duration, 10.0 / abs(rate))
+    elif _ratio(float(square.mean()), float(square[begin:].mean())) > GROWTH:
+        state, needed = State.DECAYING, duration + transient
     elif _cycles(values) < BATCHES or effective < FEWEST:
         state, needed = State.SHORT, _longer(duration, _cycles(values), effective)
     else:
@@ -249,8 +257,17 @@ def _trend(square: Array, duration: float) -> tuple[float, bool]:
 
 
 def _cycles(values: Array) -> float:
-    """Half the number of times that the mean is crossed."""
-    return 0.5 * float(np.count_nonzero(np.diff(np.signbit(values - values.mean()))))
+    """Half the number of ways from the mean of what is low to that of what is high, and back.
+
+    The mean itself is crossed by any ripple, as often as that likes, while the values move slowly.
+    """
+    above = values > values.mean()
+    if above.all() or not above.any():
+        return 0.0
+    low, high = float(values[~above].mean()), float(values[above].mean())
+    room = CLOSE * (high - low)
+    ends = np.where(values >= high - room, 1, np.where(values <= low + room, -1, 0))
+    return 0.5 * float(np.count_nonzero(np.diff(ends[ends != 0])))
 
 
 def _longer(duration: float, cycles: float, effective: float) -> float:

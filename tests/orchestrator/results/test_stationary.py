@@ -124,6 +124,30 @@ def test_a_decaying_oscillation_is_said() -> None:
     assert settling(response(wave)).state is State.DECAYING
 
 
+def test_an_oscillation_about_an_offset_is_settled() -> None:
+    assert settling(response(5.0 + sine())).state is State.SETTLED
+
+
+def test_an_oscillation_about_an_offset_that_dies_away_has_a_transient() -> None:
+    time = STEP * np.arange(ROWS)
+    found = settling(response(np.exp(-time / 2.0) + 0.01 * sine()))
+    assert found.state is State.DECAYING
+    assert 5.0 < found.transient < 15.0 and found.needed < 2 * STEP * ROWS
+
+
+def test_a_ripple_on_a_wave_that_lasts_as_long_as_the_run_does_not_settle_it() -> None:
+    slow = sine(frequency=1.0 / (STEP * ROWS))
+    found = settling(response(slow + sine(frequency=5.0) * 0.3))
+    assert found.state is State.SHORT and found.needed > 10 * STEP * ROWS
+    noise = 0.3 * np.random.default_rng(1).normal(size=ROWS)
+    assert settling(response(sine(frequency=4.0 / (STEP * ROWS)) + noise)).state is State.SHORT
+
+
+def test_blows_with_rest_between_them_are_counted() -> None:
+    blows = np.where(sine(frequency=1.0) > 0.99, 1.0, 0.0)
+    assert settling(response(blows)).state is State.SETTLED
+
+
 def test_a_run_shorter_than_its_periods_is_too_short() -> None:
     found = settling(response(sine(rows=200, frequency=0.4)))
     assert found.state is State.SHORT
