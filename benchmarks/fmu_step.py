@@ -28,7 +28,7 @@ RESULT = HERE / "results" / "fmu_step.md"
 MICRO_STEP = {"carbody": 1e-3, "truck": 2.5e-4, "wheelrail": 1e-3, "track": 1e-3}
 """Steps [s] that are one micro step."""
 
-FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-g0", "-w")
+FLAGS = ("-std=c11", "-O2", "-fomit-frame-pointer", "-ffp-contract=off", "-g0", "-w")
 
 
 def library(path: Path, fmi: str, folder: Path) -> tuple[Path, str, Path]:

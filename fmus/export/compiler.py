@@ -55,10 +55,12 @@ LANGUAGE = "C99"
 """What our C is written in, as FMI's build descriptions call it."""
 
 # The same rounding on every platform: no fused multiply-add. zig traps on undefined
-# behaviour unless optimising; -g0 and no build id keep the bytes the same on every build.
+# behaviour unless optimising, and keeps frame pointers unless told; -g0 and no build id keep the
+# bytes the same on every build.
 FLAGS = (
     f"-std={LANGUAGE.lower()}",
-    *("-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden", "-g0"),
+    *("-O2", "-fomit-frame-pointer", "-ffp-contract=off"),
+    *("-fPIC", "-shared", "-fvisibility=hidden", "-g0"),
 )
 
 
