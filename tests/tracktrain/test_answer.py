@@ -44,6 +44,18 @@ def test_a_settled_run_is_good_and_what_does_not_move_is_not_excited():
     assert "Not excited: vertical acceleration" in said
 
 
+def test_a_run_through_curves_is_not_told_to_go_on_where_the_line_ends():
+    through = run_of(rate=0.05)
+    assert "run at least" in answer_of(through)
+    bent = np.where(through["time"].values > 30, 1 / 600, 0.0)
+    through["track.curvature"] = ("time", bent, {"units": "1/m"})
+    said = answer_of(through)
+    assert said.startswith("Answer: unknown. The line goes through curves")
+    assert "run at least" not in said
+    through["track.curvature"] = ("time", np.full_like(bent, 1 / 600), {"units": "1/m"})
+    assert "run at least" in answer_of(through)
+
+
 def test_a_car_that_came_to_rest_does_not_move_for_what_rounding_leaves():
     left = run_of(amplitude=1e-13)
     rounding = 1e-9 * np.random.default_rng(2).normal(size=left.sizes["time"])

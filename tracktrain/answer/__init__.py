@@ -24,6 +24,13 @@ from .standing import Standing, speed_text, standing
 LONG = 600.0
 """The longest run that is asked for, however slowly a mode grows [s]."""
 
+UNKNOWN = "The linear car of this run is not known"
+
+MIXED = (
+    "The line goes through curves, so that statistics of the whole mix them with straight track; "
+    "`tracktrain assess` has numbers of each curve."
+)
+
 ORDER = [Level.BAD, Level.DOUBTFUL, Level.UNKNOWN, Level.GOOD]
 
 
@@ -93,13 +100,22 @@ def _is_car(dataset: Responses) -> bool:
 def _answer(dataset: Responses) -> Part:
     if (ends := speeds(dataset)) is not None and _is_car(dataset):
         return Part("answer", Level.UNKNOWN, _under_way(dataset, ends, standing(dataset)))
+    if _bends(dataset):
+        said = f"{MIXED} {_capital(str(standing(dataset) or UNKNOWN))}."
+        return Part("answer", Level.UNKNOWN, said)
     found, stands = moving(dataset), standing(dataset)
     level, text = _settled(found, stands, float(np.ptp(dataset["time"].values)))
     if not _is_car(dataset):
         return Part("answer", level, text)
     if stands is None:
-        return Part("answer", level, f"{text} The linear car of this run is not known.")
+        return Part("answer", level, f"{text} {UNKNOWN}.")
     return Part("answer", level, f"{text} {_capital(str(stands))}.")
+
+
+def _bends(dataset: Responses) -> bool:
+    """Whether the line is not as curved at all times of the run."""
+    name = f"{layout_of(dataset).track}.curvature"
+    return name in dataset and bool(np.ptp(dataset[name].values))
 
 
 def _under_way(dataset: Responses, ends: tuple[float, float], stands: Standing | None) -> str:
