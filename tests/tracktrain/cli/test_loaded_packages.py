@@ -11,7 +11,8 @@ HEAVY = ("numpy", "scipy", "pandas", "xarray", "matplotlib", "casadi", "numba", 
 
 UNUSED = (
     "casadi", "dask.array", "distributed", "fmus.export", "markdown_it", "matplotlib.pyplot",
-    "netCDF4", "numba", "pandas", "pint", "scipy.interpolate", "scipy.optimize", "xarray", "ziglang",
+    "netCDF4", "numba", "pandas", "pint", "scipy.interpolate", "scipy.optimize", "xarray",
+    "ziglang",
 )  # fmt: skip
 """What a run with its verdict and its pictures does not take."""
 
