@@ -102,6 +102,41 @@ def test_unloading_is_judged_by_its_share_of_what_is_admissible() -> None:
     assert row(table, "wheel_load_ratio")["result"] == "exceeded"
 
 
+LEAST = ("wheel_load_ratio", "passenger_wheel_load", "aar_wheel_unloading",
+         "aar_wheel_unloading_way")  # fmt: skip
+
+
+@pytest.mark.parametrize("key", LEAST)
+def test_of_least_loads_the_lightest_wheel_is_judged(key: str) -> None:
+    data = motion(4.0, load=0.1, frequency=0.5)
+    light = HOPPER.trucks[1].axles[1]
+    data[f"{light.port}.load_right"] = data[f"{light.port}.load_right"] * 0.05
+    found = row(assess(data), key)
+    assert found["place"] == f"{light.wheelset} right"
+    assert found["value"] == pytest.approx(0.05 * 0.9, rel=0.02) and found["result"] == "exceeded"
+
+
+def test_of_least_loads_the_lightest_truck_side_is_judged() -> None:
+    data, truck = motion(4.0, load=0.1, frequency=0.5), HOPPER.trucks[1]
+    for axle in truck.axles:
+        data[f"{axle.port}.load_right"] = data[f"{axle.port}.load_right"] * 0.05
+    found = row(assess(data), "passenger_truck_side_load")
+    assert found["place"] == f"{truck.instance} right" and found["result"] == "exceeded"
+    assert found["value"] == pytest.approx(0.05 * 0.9, rel=0.02)
+
+
+def test_limits_of_forces_are_those_of_the_least_axle_load() -> None:
+    data = motion(4.0, force=1e3, load=0.1)
+    given = json.loads(data.attrs["parameters"])
+    given[f"{HOPPER.trucks[0].instance}.axle_load"] = AXLE_LOAD / 2
+    data.attrs["parameters"] = json.dumps(given)
+    table = assess(data)
+    assert row(table, "en_wheel_load")["limit"] == pytest.approx((90e3 + AXLE_LOAD / 4) / 1e3)
+    assert row(table, "net_axle_l_over_v")["limit"] == pytest.approx(0.4 + 5.0 / 25)
+    heavy = row(assess(motion(4.0, force=1e3, load=0.1)), "en_wheel_load")
+    assert heavy["limit"] == pytest.approx(200.0)  # 90 kN + Q0 is more
+
+
 def test_sway_of_known_amplitude_through_the_limits_of_the_accelerations() -> None:
     amplitude = 0.2 * GRAVITY
     table = assess(motion(12.0, frequency=1.0, ay=amplitude, az=2 * amplitude, vy=0.1))
