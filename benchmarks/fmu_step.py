@@ -74,9 +74,11 @@ def main(repeats: int) -> None:
     head = (
         "block",
         "equations [ns]",
+        "empty calls [ns]",
         "evaluation [ns]",
         "of equations, at best",
         "of equations, median",
+        "of both, at best",
         "bare [ns]",
         "FMI 2.0 / bare",
         "FMI 3.0 / 2.0",
@@ -91,14 +93,16 @@ def main(repeats: int) -> None:
             *(rounds_of(*files, MICRO_STEP[block]) for _ in range(repeats)), strict=True
         )
         times = np.concatenate(rounds)
-        needed, bare, two, three, two_exchange, three_exchange, two_set = times.T
+        needed, bare, two, three, two_exchange, three_exchange, two_set, calls = times.T
         rows.append(
             (
                 block,
                 f"{needed.min():.0f}",
+                f"{calls.min():.0f}",
                 f"{two_exchange.min():.0f}",
                 f"{two_exchange.min() / needed.min():.2f}",
                 f"{np.median(two_exchange / needed):.2f}",
+                f"{two_exchange.min() / (needed.min() + calls.min()):.2f}",
                 f"{bare.min():.0f}",
                 f"{np.median(two / bare):.2f}",
                 f"{np.median(three / two):.2f}",
@@ -117,7 +121,9 @@ def main(repeats: int) -> None:
         "One evaluation of a native FMU 2.0, with linear creep: inputs set, a micro step, outputs "
         "read; beside it the equations that this needs, called one after the other in a C loop "
         "with the same inputs, which change from step to step; smallest times of all rounds, and "
-        "the median of the ratios in a round. Then doStep over one micro step: "
+        "the median of the ratios in a round. `empty calls`: the same three calls of an FMU that "
+        "keeps numbers by their value references and has no equations; `of both`: the evaluation "
+        "over equations and empty calls. Then doStep over one micro step: "
         "smallest time of the generated step function alone, and medians of ratios in a round. "
         "`with exchange`: FMI 3.0 over 2.0 with all inputs set and the scalar outputs read in "
         "each step. `parameter set`: FMI 2.0 with a tunable parameter set before each step, to "
