@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -11,19 +10,21 @@ from fmus.errors import ParameterError
 from fmus.profiles.conicity import RadiusDifference
 from fmus.wheelrail.contact_table import IN_FMU, ContactTable, of_text
 
+from .in_fmu import text_in
+
 
 def of_fmu(path: Path) -> ContactTable:
     """The contact table in an FMU; raises fmus.ParameterError."""
     try:
-        with zipfile.ZipFile(path) as archive:
-            return of_text(archive.read(IN_FMU).decode())
+        text = text_in(path, IN_FMU)
     except OSError as error:
         raise ParameterError(f"'{path}' cannot be read: {error.strerror}") from None
-    except (zipfile.BadZipFile, KeyError):
+    if text is None:
         raise ParameterError(
             f"'{path}' is no FMU of a wheelset on profiles ({IN_FMU}); 'tracktrain profile build' "
             "makes such; --swap wheelset_11=FMU takes any other"
-        ) from None
+        )
+    return of_text(text)
 
 
 def rolling_line(table: ContactTable) -> float:
@@ -43,6 +44,5 @@ def rolling_line(table: ContactTable) -> float:
 
 def line_of(fmu: Path) -> float:
     """The rolling line of a wheelset's FMU [m]; 0 of one that is not on profiles."""
-    with zipfile.ZipFile(fmu) as archive:
-        on_profiles = IN_FMU in archive.namelist()
-    return rolling_line(of_fmu(fmu)) if on_profiles else 0.0
+    text = text_in(fmu, IN_FMU)
+    return rolling_line(of_text(text)) if text is not None else 0.0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import zipfile
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -20,6 +19,7 @@ from ..geometry.spectra import is_spectrum_file
 from ..geometry.table import read_table
 from .changes import curved, swapped
 from .hopper import layout_of
+from .in_fmu import text_in
 
 DRAWN = ("spectrum", "seed", "report_rms", "wavelength_min", "wavelength_max", "gauge_range")
 """Parameters of a drawn track, which a recorded one has not."""
@@ -40,15 +40,14 @@ def track_data(path: Path | str, says: Sequence[str] = ()) -> TrackData:
     if path.suffix.lower() != ".fmu":
         return read_track(path, says)
     try:
-        with zipfile.ZipFile(path) as archive:
-            text = archive.read(IN_FMU).decode()
+        text = text_in(path, IN_FMU)
     except OSError as error:
         raise GeometryError(f"the track '{path}' cannot be read: {error.strerror}") from None
-    except (zipfile.BadZipFile, KeyError):
+    if text is None:
         raise GeometryError(
             f"'{path}' is no FMU of a track with its stations ({IN_FMU}); "
             "'tracktrain track build' makes such; --swap track=FMU takes any other"
-        ) from None
+        )
     return track_of(read_table(path.name, text, UNITS), path.stem)
 
 

@@ -9,22 +9,10 @@ import pytest
 
 from fmus.track.recorded_data import TrackData
 from fmus.track.spectra import CHANNELS
+from support.known_track import COUNT, FOOT, INCH, SPACING, STATIONS, track, wave
 from tracktrain.geometry.chords import from_uniformity
 from tracktrain.geometry.errors import GeometryError
 from tracktrain.inspection import federal, high_speed, inspect
-
-INCH, FOOT = 0.0254, 0.3048
-SPACING, COUNT = 0.25, 4001
-STATIONS = SPACING * np.arange(COUNT)
-
-
-def track(**channels):
-    values = np.array([channels.get(name, np.zeros(COUNT)) for name in CHANNELS])
-    return TrackData("known", 0.0, SPACING, values)
-
-
-def wave(size, length):
-    return size * np.sin(2 * np.pi * STATIONS / length)
 
 
 def measured(data):

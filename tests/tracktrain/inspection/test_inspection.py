@@ -11,25 +11,13 @@ from click.testing import CliRunner
 
 from fmus.track.recorded_data import TrackData, as_text
 from fmus.track.spectra import CHANNELS, band_variance
+from support.known_track import COUNT, FOOT, INCH, SPACING, STATIONS, track, wave
 from support.random_track import gaussian
 from tracktrain.cli.main import main
 from tracktrain.geometry.spectra import published
 from tracktrain.inspection import federal, inspect
 from tracktrain.inspection.densities import by_waves, density
 from tracktrain.inspection.european import deviations, filtered, response
-
-INCH, FOOT = 0.0254, 0.3048
-SPACING, COUNT = 0.25, 4001
-STATIONS = SPACING * np.arange(COUNT)
-
-
-def track(**channels):
-    values = np.array([channels.get(name, np.zeros(COUNT)) for name in CHANNELS])
-    return TrackData("known", 0.0, SPACING, values)
-
-
-def wave(size, length):
-    return size * np.sin(2 * np.pi * STATIONS / length)
 
 
 @pytest.fixture(scope="module")
