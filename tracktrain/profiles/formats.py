@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from ..geometry.table import read_table
 UNITS = {"y": "m", "z": "m"}
 SPACES = re.compile(r"[\s,;]+")
 SIMPACK_KINDS: dict[float, Kind] = {0.0: "rail", 1.0: "wheel"}
+SIMPACK_ENDINGS: dict[str, Kind] = {".prw": "wheel", ".prr": "rail"}
 MILLIMETRE = 1e-3
 
 
@@ -76,7 +78,9 @@ def read_simpack(name: str, text: str, unit: float | None = None) -> Drawn:
     reading = False
     for number, full in enumerate(text.splitlines(), start=1):
         line = re.split(r"[!%]", full, maxsplit=1)[0].strip()
-        if line in ("point.begin", "point.end", "spline.end"):
+        if line == "spline.begin" and "type" not in keys:
+            keys["type"] = ""  # that of the spline is none of the profile
+        elif line in ("point.begin", "point.end", "spline.end"):
             reading = line == "point.begin"
         elif reading and line:
             rows.append((number, " ".join(line.split()[:2])))
@@ -112,12 +116,23 @@ def read_simpack(name: str, text: str, unit: float | None = None) -> Drawn:
         name,
         np.column_stack([y, z])[kept] / factor,
         [number for (number, _), inside in zip(rows, kept, strict=True) if inside],
-        kind=SIMPACK_KINDS.get(number_of("type", -1.0)),
+        kind=_simpack_kind(name, number_of("type", -1.0) if keys.get("type") else -1.0),
         y_positive="outside",
         z_positive="down",
         notes=notes,
         remarks=[keys["comment"]] if keys.get("comment") else [],
     )
+
+
+def _simpack_kind(name: str, header: float) -> Kind | None:
+    """Wheel or rail, by the type in the header and by the ending of the name."""
+    said, ending = SIMPACK_KINDS.get(header), SIMPACK_ENDINGS.get(Path(name).suffix.lower())
+    if said and ending and said != ending:
+        raise GeometryError(
+            f"{name} is a {said} by the type in its header, {header:g}, and a {ending} by its "
+            "ending; correct one"
+        )
+    return said or ending
 
 
 def read_miniprof(name: str, text: str, unit: float | None = None) -> Drawn:

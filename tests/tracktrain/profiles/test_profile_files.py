@@ -62,6 +62,15 @@ def test_simpack_points_of_a_right_wheel_in_metres_are_ours(tmp_path):
     assert np.abs(rail.points[:, 0]).max() <= 0.030
 
 
+def test_a_simpack_file_is_what_its_ending_says_where_its_header_does_not(tmp_path):
+    text = simpack(WHEEL * (1, -1), 1, "units.len.f = 1000")
+    silent = profile_of(written(tmp_path, "w.prw", text.replace("type = 1 ! kind\n", "")))
+    assert silent.kind == "wheel"
+    told = r"w\.prw is a rail by the type in its header, 0, and a wheel by its ending"
+    with pytest.raises(GeometryError, match=told):
+        profile_of(written(tmp_path, "w.prw", text.replace("type = 1", "type = 0")))
+
+
 def test_miniprof_columns_are_turned_by_flange_and_head(tmp_path):
     head = f"ProgramName=x\nXYPoints={len(WHEEL)}\nColumnDef=X,Y,A\n\n"
     body = "\n".join(f"{-y:.9f} {-z:.9f} 0.1" for y, z in WHEEL)
