@@ -19,6 +19,9 @@ METHOD = (
     "Results, at the end of each 20 ms: the linear creep law, by hand on splines of the table."
 )
 
+YAW = 4e-3
+"""Largest yaw of the stimuli [rad]."""
+
 
 def reference(block: ProfiledWheelRail, values: Values) -> Reference:
     """Known results with the parameters' values [SI], without the block's code."""
@@ -26,11 +29,12 @@ def reference(block: ProfiledWheelRail, values: Values) -> Reference:
     count = len(TIMES) - 1
     back = min(-side.tread.over[0] for side in block.geometry.different)
     reach = 0.9 * min(block.geometry.clearance, back)
+    yaw = min(YAW, max(block.geometry.yawed, default=YAW))  # beyond it a table is held
     u = {
         "y": 0.7 * reach * rng.uniform(-1, 1, count),
         "rail_y_left": 0.2 * reach * rng.uniform(-1, 1, count),
         "rail_y_right": 0.2 * reach * rng.uniform(-1, 1, count),
-        "yaw": 4e-3 * rng.uniform(-1, 1, count),
+        "yaw": yaw * rng.uniform(-1, 1, count),
         "vy": 0.05 * rng.uniform(-1, 1, count),
         "wz": 0.02 * rng.uniform(-1, 1, count),
         "speed": rng.uniform(5.0, 40.0, count),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from io import BytesIO
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from fmus.errors import ParameterError
 from fmus.wheelrail.block import CREEP_LAWS
 from fmus.wheelrail.contact_table import ContactTable, as_text
 from fmus.wheelrail.profiled import ProfiledWheelRail
+from fmus.wheelrail.profiled_experiment import reference
 from support.contact_tables import CLEARANCE, RADIUS, SPACING, circles, cone, cone_at
 
 POISSON = 0.28
@@ -311,6 +313,14 @@ def test_derivatives_by_yaw_are_exact_in_a_table_over_yaw(over_yaw, y):
     ends = [twin(over_yaw, "polach", {**motion, "yaw": 0.013 + s}).outputs() for s in (1e-8, -1e-8)]
     found = (ends[0] - ends[1]) / 2e-8
     assert exact == pytest.approx(found, rel=2e-4, abs=1e-6 * np.abs(found).max())
+
+
+def test_known_results_stay_within_the_yaw_of_the_table():
+    narrow = block(replace(cone_at(0.0), yawed={yaw: cone_at(yaw) for yaw in (5e-4, 1e-3)}))
+    values = parameter_set("loaded").values(narrow)
+    known = reference(narrow, {**values, "creep_law": 1.0})
+    stimuli = np.genfromtxt(BytesIO(known.tables["stimuli"]), delimiter=",", names=True)
+    assert 5e-4 < np.abs(stimuli["yaw"]).max() <= 1e-3
 
 
 def test_a_table_holds_for_the_yaw_that_it_has(coned, over_yaw):
