@@ -139,16 +139,20 @@ def histograms(data: TrackData, channels: Sequence[str]) -> Figure:
     """Distribution of each channel beside the normal one of the same mean and deviation."""
     figure, axes = column(len(channels), 2.0)
     for ax, channel in zip(axes, channels, strict=True):
-        values = 1e3 * data.values[CHANNELS.index(channel)]
-        edges, measured, normal = histogram(values)
-        ax.stairs(measured, edges, color=BLUE, fill=True, alpha=0.35, label="measured")
-        middle = 0.5 * (edges[1:] + edges[:-1])
-        ax.plot(middle, normal, color=INK, label=f"normal, {np.std(values):.2f} mm")
-        ax.legend(frameon=False, loc="upper right")
+        beside_normal(ax, 1e3 * data.values[CHANNELS.index(channel)], "measured")
         ax.set_ylabel(f"{spoken(channel)}\n[1/mm]")
     axes[0].set_title("Probability density of the irregularities")
     axes[-1].set_xlabel("irregularity [mm]")
     return figure
+
+
+def beside_normal(ax: Axes, values: np.ndarray, label: str) -> None:
+    """Draw the distribution of values [mm] beside the normal one of their mean and deviation."""
+    edges, measured, normal = histogram(values)
+    ax.stairs(measured, edges, color=BLUE, fill=True, alpha=0.35, label=label)
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    ax.plot(middle, normal, color=INK, label=f"normal, {np.std(values):.2f} mm")
+    ax.legend(frameon=False, loc="upper right")
 
 
 def spoken(channel: str) -> str:

@@ -24,6 +24,7 @@ from fmus.track.spectra import (
 )
 
 from ..car.hopper import parameters_of
+from ..inspection.pictures import beside_normal
 from ..options.car import seed_option, track_option
 from ..options.types import Quantity
 from ..plots import BLUE, INK, MUTED, STYLE, column, conversion
@@ -143,11 +144,7 @@ def _histogram_figure(rails: xr.Dataset, channels: list[str]) -> Figure:
     for ax, name in zip(axes, channels, strict=True):
         values = 1e3 * rails[name].values
         if np.any(values):
-            edges, measured, normal = realisation.histogram(values)
-            ax.stairs(measured, edges, color=BLUE, fill=True, alpha=0.35, label="realisation")
-            middle = 0.5 * (edges[1:] + edges[:-1])
-            ax.plot(middle, normal, color=INK, label=f"normal, {np.std(values):.2f} mm")
-            ax.legend(frameon=False, loc="upper right")
+            beside_normal(ax, values, "realisation")
         ax.set_ylabel(f"{name.replace('_', '-')}\n[1/mm]")
     axes[0].set_title("Probability density of the irregularity (report Figure 5-3)")
     axes[-1].set_xlabel("irregularity [mm]")
