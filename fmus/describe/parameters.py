@@ -107,11 +107,6 @@ class ParameterSet:
         spreads = {p.name: e.spread_in(p.unit) for p in block.parameters if (e := found[p.name])}
         return {name: spread for name, spread in spreads.items() if spread}
 
-    def followers(self, block: Block) -> dict[str, str]:
-        """What parameters of a block are in proportion to, by their names."""
-        found = {p.name: self._entry_of(block, p) for p in block.parameters}
-        return {name: entry.follows for name, entry in found.items() if entry and entry.follows}
-
     def _entry_of(self, block: Block, parameter: Parameter) -> Entry | None:
         kin = (block.stands_for,) if block.stands_for else ()
         return self.entry(parameter.name, block.name, *kin)

@@ -133,13 +133,12 @@ class LinearFmus(LinearMotion):
     @cached_property
     def _rails(self) -> Mapping[str, Mapping[str, float]]:
         """Where each wheelset's rails are [m], so that it runs straight with its middle at 0."""
-        lines = {
-            axle.wheelset: line_of(Path(str(self._components[axle.wheelset].fmu)))
-            for axle in self.layout.axles
-        }
+        wheelsets = [axle.wheelset for axle in self.layout.axles]
+        fmus = {name: Path(str(self._components[name].fmu)) for name in wheelsets}
+        lines = {fmu: line_of(fmu) for fmu in {*fmus.values()}}  # all wheelsets may share one
         return {
-            name: {f"rail_y_{side}": -line for side in SIDES} if line else {}
-            for name, line in lines.items()
+            name: {f"rail_y_{side}": -lines[fmu] for side in SIDES} if lines[fmu] else {}
+            for name, fmu in fmus.items()
         }
 
     def _system(self, speed: float) -> System:
