@@ -57,7 +57,7 @@ from .run.outcome import Kind, Outcome
 from .run.request import Request, read_request
 from .run.settings import Settings
 from .run.simulate import resume, simulate
-from .slaves.inline import InlineModel, Mock
+from .slaves.inline import InlineModel
 from .slaves.session import Session
 from .ssp.port_map import read_port_map
 from .ssp.reader import read_ssp
@@ -106,7 +106,6 @@ __all__ = [
     "LinearModel",
     "Log",
     "Master",
-    "Mock",
     "OnePass",
     "OrchestratorError",
     "Outcome",

@@ -138,15 +138,14 @@ def mass_on(structure: Structure, retained: Array) -> Array:
     return total
 
 
-def proposed(structure: Structure, count: int = 98, further: Sequence[int] = ()) -> Array:
+def proposed(structure: Structure, count: int) -> Array:
     """Degrees of freedom to retain where the user names none.
 
     Six of every named place; of other nodes, each as far from those chosen as there is, the
-    translations, until `count` are there. further: nodes (by index) that are taken in any case.
+    translations, until `count` are there.
     """
-    chosen = list(dict.fromkeys([*structure.places.values(), *further]))
+    chosen = list(dict.fromkeys(structure.places.values()))
     degrees = [6 * node + d for node in structure.places.values() for d in range(PLATE_DEGREES)]
-    degrees += [6 * node + d for node in further for d in range(3)]
     if not chosen:
         centre = structure.positions.mean(axis=0)
         chosen = [int(np.argmax(np.linalg.norm(structure.positions - centre, axis=1)))]
@@ -163,9 +162,7 @@ def proposed(structure: Structure, count: int = 98, further: Sequence[int] = ())
     return np.unique(degrees)
 
 
-def by_modes(
-    structure: Structure, modes: FreeModes, count: int = 98, among: Array | None = None
-) -> Array:
+def by_modes(structure: Structure, modes: FreeModes, count: int, among: Array) -> Array:
     """Translations to retain so that the modes given are told apart best, growing.
 
     QR with pivoting of the shapes, each row by the root of its mass, each mode by the root of its
@@ -173,8 +170,7 @@ def by_modes(
     approach to optimal pick-up and exciter placement, 14th International Modal Analysis Conference,
     1996). As many modes as degrees of freedom are best. among: degrees of freedom to choose from.
     """
-    translations = np.arange(structure.degrees) if among is None else np.asarray(among, int)
-    translations = translations[translations % 6 < 3]
+    translations = among[among % 6 < 3]
     frequencies = np.r_[np.full(6, modes.frequencies[0]), modes.frequencies]
     shapes = np.hstack([modes.rigid, modes.shapes])[translations] / np.sqrt(frequencies)
     weight = np.sqrt(np.maximum(structure.mass.diagonal()[translations], 0.0))

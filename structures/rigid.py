@@ -64,10 +64,10 @@ class Grounding:
     degrees: tuple[str, ...]
 
 
-def grounding(structure: Structure, tolerance: float = GROUNDED) -> Grounding:
+def grounding(structure: Structure) -> Grounding:
     """Forces that rigid motions meet, over the structure's own stiffness.  # report (4-18), (4-19)
 
-    A free structure has none. degrees: those with a force above the tolerance, worst first.
+    A free structure has none. degrees: those with a force above `GROUNDED`, worst first.
     """
     motions = rigid_motions(structure.positions, structure.positions.mean(axis=0))
     size = np.abs(structure.stiffness) @ np.abs(motions)
@@ -75,13 +75,13 @@ def grounding(structure: Structure, tolerance: float = GROUNDED) -> Grounding:
         np.abs(structure.stiffness @ motions) / np.maximum(size, size.max() * 1e-12), axis=1
     )
     order = np.argsort(-ratio)
-    held = [int(d) for d in order if ratio[d] > tolerance]
+    held = [int(d) for d in order if ratio[d] > GROUNDED]
     return Grounding(float(ratio.max()), tuple(structure.label(d) for d in held))
 
 
-def check_free(structure: Structure, tolerance: float = GROUNDED) -> None:
+def check_free(structure: Structure) -> None:
     """Raises StructureError that names what grounds the structure."""
-    found = grounding(structure, tolerance)
+    found = grounding(structure)
     if found.degrees:
         raise StructureError(
             f"{structure.name} is held to the ground at {listed(found.degrees)}: rigid motions "

@@ -84,13 +84,6 @@ def rigid_shape(data: ModalData, point: str) -> np.ndarray:
     return np.array(columns).T
 
 
-def motion_after(
-    values: Values, state: np.ndarray, force: Values, ramp: Values, duration: float
-) -> np.ndarray:
-    """State (q, qd) of the default carbody after `duration` [s], see `ClosedForm.after`."""
-    return default_modes(values).after(state, force, ramp, duration)
-
-
 def frequencies(values: Values) -> np.ndarray:
     """Circular frequencies of the modes (8,), [rad/s]."""
     return np.array([2 * pi * values.get(f"{mode}_frequency", 0.0) for mode in MODES])

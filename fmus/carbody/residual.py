@@ -18,9 +18,7 @@ NEGLIGIBLE = 1e-9
 MOTION_OF_LOAD = [DIRECTIONS.index(name) for name in ("y", "z", "roll", "yaw")]
 
 
-def with_residual_modes(
-    data: ModalData, frequency: float | None = None, damping: float | None = None
-) -> ModalData:
+def with_residual_modes(data: ModalData, frequency: float | None = None) -> ModalData:
     """The residual flexibility G of the data as modes above all others. README (8)
 
     Modes of unit mass and frequency w_r with shapes R, where R R^T = w_r^2 G, give way by G under
@@ -28,8 +26,8 @@ def with_residual_modes(
     their motion as those of any mode do, no algebraic loop closes at the centre plates, and energy
     is kept. Another split of G into such modes moves the plates alike, since all have w_r.
 
-    frequency: of these modes [Hz], above what matters; damping: ratio, that of the last mode when
-    none is given. At further points the residual is not known, and these modes do not move them.
+    frequency: of these modes [Hz], above what matters; their damping is that of the last mode. At
+    further points the residual is not known, and these modes do not move them.
     """
     if data.residual_flexibility is None:
         return data
@@ -45,7 +43,7 @@ def with_residual_modes(
     for number, end in enumerate(ENDS):
         rows = factor[4 * number : 4 * number + 4]
         shapes[:, data.index(end), MOTION_OF_LOAD] = rows.T
-    ratio = damping if damping is not None else data.modes[-1].damping
+    ratio = data.modes[-1].damping
     source = f"residual flexibility at {chosen:g} Hz"
     residual = tuple(
         Mode(f"residual {i}", chosen, ratio, "derived", source) for i in range(1, len(shapes) + 1)

@@ -101,18 +101,9 @@ class ParameterSet:
                 )
         return {parameter.name: self._value(block, parameter) for parameter in block.parameters}
 
-    def spreads(self, block: Block) -> dict[str, Spread]:
-        """Range or deviation [SI] of the parameters of a block that have one of their own."""
-        found = {p.name: self._entry_of(block, p) for p in block.parameters}
-        spreads = {p.name: e.spread_in(p.unit) for p in block.parameters if (e := found[p.name])}
-        return {name: spread for name, spread in spreads.items() if spread}
-
-    def _entry_of(self, block: Block, parameter: Parameter) -> Entry | None:
-        kin = (block.stands_for,) if block.stands_for else ()
-        return self.entry(parameter.name, block.name, *kin)
-
     def _value(self, block: Block, parameter: Parameter) -> float:
-        entry = self._entry_of(block, parameter)
+        kin = (block.stands_for,) if block.stands_for else ()
+        entry = self.entry(parameter.name, block.name, *kin)
         place = f"{self.path.name}: {parameter.name} of the block {block.name!r}"
         if entry is None:
             if parameter.default is None:

@@ -145,8 +145,8 @@ class Points:
     on_wheel, on_rail: y in the profiles; place: distance from the wheelset's middle; height: above
     the rail's top; ahead: in front of the axle; radius: rolling radius; all [m]. angle: of the
     contact plane to the track plane [rad], above zero where it rises to the outside, as a tread
-    does. wheel_curvature, rail_curvature: of the profiles [1/m], convex above zero;
-    along_curvature: of the wheel along the rail. gap: normal distance [m], 0 where they touch.
+    does. wheel_curvature, rail_curvature: of the profiles [1/m], convex above zero. gap: normal
+    distance [m], 0 where they touch.
     """
 
     on_wheel: Array
@@ -158,7 +158,6 @@ class Points:
     angle: Array
     wheel_curvature: Array
     rail_curvature: Array
-    along_curvature: Array
     gap: Array
 
     def __getitem__(self, rows: Array | slice | int) -> Points:
@@ -210,7 +209,7 @@ class Touch:
     def points(self, s: Array, let_down: Array) -> Points:
         """The points at s, the wheelset let down by so much [m]."""
         gap, trace, (on_rail, z, _, _) = self._gap(s)
-        profile_y, _, dy, _ = self.wheel.surface.at(s)
+        profile_y = self.wheel.surface.at(s)[0]
         angle = np.arctan2(trace.dz, trace.dy)
         return Points(
             on_wheel=profile_y,
@@ -222,7 +221,6 @@ class Touch:
             angle=angle,
             wheel_curvature=self.wheel.surface.curvature(s),
             rail_curvature=self.rail.surface.curvature(on_rail),
-            along_curvature=dy / trace.radius,
             gap=(gap - let_down) * np.cos(angle),
         )
 

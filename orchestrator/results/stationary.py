@@ -94,13 +94,13 @@ def batched(values: Array, count: int = BATCHES) -> Array:
     return values[values.size - count * length :].reshape(count, length)
 
 
-def batch_mean(values: Array, count: int = BATCHES) -> Estimate:
+def batch_mean(values: Array) -> Estimate:
     """The mean, with Student's interval of the means of batches.
 
     Source: Law, A. M.: Simulation Modeling and Analysis, section 9.5.3.
     """
-    means = batched(values, count).mean(axis=1)
-    half = student(SIDE, count - 1) * float(means.std(ddof=1)) / sqrt(count)
+    means = batched(values).mean(axis=1)
+    half = student(SIDE, BATCHES - 1) * float(means.std(ddof=1)) / sqrt(BATCHES)
     mean = float(values.mean())
     return Estimate(mean, mean - half, mean + half)
 

@@ -132,10 +132,6 @@ class InlineModel:
         return InlineSlave(name, self)
 
 
-Mock = InlineModel
-"""Its name in older scripts."""
-
-
 class InlineSlave(Slave):
     """A running inline model behind the same C functions as an FMU's.
 

@@ -47,9 +47,6 @@ class Vehicle:
 CARS = {name: Vehicle(HOPPER, name) for name in ("loaded", "empty", "report-linear")}
 """All cars by name. Another car is one more entry."""
 
-REPORT_SPEED = 18.288
-"""60 ft/s [m/s], the slowest of the report's three speeds."""
-
 SPEED, TRACK, DURATION = 13.4112, "fra5", 60.0
 """A run that nothing else is asked of: 30 mph [m/s], its track, and its duration [s].
 

@@ -28,13 +28,11 @@ def build_one_fmu(
     master: Master | str = "one-pass",
     fmi: str = "2.0",
     platforms: Iterable[str] = ("host",),
-    step: float | None = None,
 ) -> tuple[Path, list[str]]:
     """Write the FMU to the file `out`; its path, and notes for the user.
 
-    step: the macro step that it starts with [s]; None: the system's. platforms: as
-    `tracktrain build --target` has them. Raises OrchestratorError for a system that cannot be made
-    into one, TracktrainError for an FMU without sources, and CompileError.
+    platforms: as `tracktrain build --target` has them. Raises OrchestratorError for a system that
+    cannot be made into one, TracktrainError for an FMU without sources, and CompileError.
     """
     code = coupled_code(system, master)
     files = list(dict.fromkeys(code.fmus))
@@ -48,7 +46,7 @@ def build_one_fmu(
         "layout.h": header(layout),
         "system.h": code.text,
     }
-    assembly = _assembly(code, identifier(out.stem, "system"), step or code.step, system)
+    assembly = _assembly(code, identifier(out.stem, "system"), system)
     further = {"documentation/README.md": (HERE / "README.md").read_bytes(), **_icons()}
     return build_assembly(assembly, core, further, out, fmi, platforms), code.notes
 
@@ -59,12 +57,12 @@ def _icons() -> dict[str, bytes]:
     }
 
 
-def _assembly(code: CoupledCode, name: str, step: float, system: System) -> Assembly:
+def _assembly(code: CoupledCode, name: str, system: System) -> Assembly:
     def full(i: int, variable: str) -> str:
         return f"{code.names[i]}.{variable}"
 
     parameters = [_parameter(full(i, v.name), v, value) for i, v, value in code.parameters]
-    macro_step = Parameter(**{**vars(MACRO_STEP), "default": step})
+    macro_step = Parameter(**{**vars(MACRO_STEP), "default": code.step})
     inputs = [
         Input(full(i, v.name), v.unit or "1", v.description, v.nominal or None, start)
         for (i, v), start in zip(code.inputs, code.starts, strict=True)
@@ -90,7 +88,7 @@ def _assembly(code: CoupledCode, name: str, step: float, system: System) -> Asse
         ([*parameters, macro_step], inputs, outputs),
         now,
         _limits(code),
-        (system.experiment.stop or 8.0, step),
+        (system.experiment.stop or 8.0, code.step),
         Able(
             all(d.saves_state for d in code.descriptions),
             all(d.serializes_state for d in code.descriptions),

@@ -38,12 +38,11 @@ def car_option(default: str = "loaded") -> Option:
 def speed_option(
     default: str = "30 mph",
     meaning: str = "Speed of the train, with its unit.",
-    name: str = "--speed",
     argument: str | None = None,
 ) -> Option:
     """A speed [m/s]."""
     return click.option(
-        name,
+        "--speed",
         *([argument] if argument else []),
         type=SPEED_KIND,
         default=default,

@@ -73,10 +73,6 @@ class Axis:
     unit: str = ""
 
     @property
-    def is_number(self) -> bool:
-        return all(not isinstance(value, str) for value in self.values)
-
-    @property
     def label(self) -> str:
         """Name and unit, as heading of a column."""
         return f"{self.name} [{self.unit}]" if self.unit else self.name

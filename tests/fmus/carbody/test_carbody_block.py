@@ -7,7 +7,7 @@ import pytest
 
 import tolerances
 from fmus.carbody.block import ELASTIC, ENDS, Carbody
-from fmus.carbody.modes import beam_shape, mode_shapes, motion_after
+from fmus.carbody.modes import beam_shape, default_modes, mode_shapes
 from fmus.carbody.ports import PLATE_LOADS
 from fmus.describe.twin import Twin
 
@@ -45,7 +45,7 @@ def relative(state, expected):
 def test_linear_loads_give_the_modal_closed_form(values_of, loads, duration, steps):
     values = values_of("carbody")
     twin = run(values, *loads, duration, steps)
-    expected = motion_after(values, np.zeros(16), *loads, duration)
+    expected = default_modes(values).after(np.zeros(16), *loads, duration)
     assert relative(twin.x, expected) < tolerances.EXACT_STEP
 
 
@@ -54,7 +54,7 @@ def test_free_motion_from_any_initial_state_decays_as_the_modes_do(values_of, rn
     twin = run(values, {}, {}, 0.0, 1)
     start = twin.x.copy()
     twin.step(0.5)
-    assert relative(twin.x, motion_after(values, start, {}, {}, 0.5)) < tolerances.EXACT_STEP
+    assert relative(twin.x, default_modes(values).after(start, {}, {}, 0.5)) < tolerances.EXACT_STEP
 
 
 def test_a_step_and_its_parts_lead_to_the_same_state(values_of, loads):
@@ -71,7 +71,7 @@ def test_the_step_is_exact_at_any_frequency_and_damping(values_of, loads, freque
     twin = run(values, {}, {}, 0.0, 1)
     start = twin.x.copy()
     driven = run(values, *loads, 1e-3, 1)
-    expected = motion_after(values, start, *loads, 1e-3)
+    expected = default_modes(values).after(start, *loads, 1e-3)
     scale = np.abs(expected).reshape(2, 8).max(axis=1).repeat(8)
     assert np.all(np.abs(driven.x - expected) < tolerances.EXACT_STEP * scale)
 

@@ -40,15 +40,17 @@ def test_every_estimate_that_is_there_at_all_has_a_range():
 @pytest.mark.parametrize("block", BLOCKS)
 def test_ranges_hold_the_value_and_stay_inside_what_the_block_takes(name, block):
     built = BLOCKS[block]()
-    limits = {p.name: (p.minimum, p.maximum) for p in built.parameters}
-    values = parameter_set(name).values(built)
-    for parameter, spread in parameter_set(name).spreads(built).items():
-        low, high = spread.quantile([0.0, 1.0])
-        assert spread.value == pytest.approx(values[parameter], rel=1e-12)
-        assert low <= spread.value <= high and spread.standard_deviation > 0.0, parameter
-        minimum, maximum = limits[parameter]
-        assert minimum is None or low >= minimum, parameter
-        assert maximum is None or high <= maximum, parameter
+    numbers, blocks = parameter_set(name), filter(None, (block, built.stands_for))
+    values, tables = numbers.values(built), tuple(blocks)
+    for p in built.parameters:
+        entry = numbers.entry(p.name, *tables)
+        spread = entry and entry.spread_in(p.unit)
+        if spread:
+            low, high = spread.quantile([0.0, 1.0])
+            assert spread.value == pytest.approx(values[p.name], rel=1e-12)
+            assert low <= spread.value <= high and spread.standard_deviation > 0.0, p.name
+            assert p.minimum is None or low >= p.minimum, p.name
+            assert p.maximum is None or high <= p.maximum, p.name
 
 
 def test_the_quantiles_of_a_range_have_the_triangular_distributions_moments():

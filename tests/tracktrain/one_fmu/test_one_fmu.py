@@ -8,7 +8,15 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 
-from orchestrator import Component, Connection, CouplingError, Profile, System, simulate
+from orchestrator import (
+    Component,
+    Connection,
+    CouplingError,
+    Experiment,
+    Profile,
+    System,
+    simulate,
+)
 from support.archive_checks import findings
 from support.fmu_instance import FmuInstance
 from support.native_slaves import build_damper, build_mass, with_sources
@@ -31,12 +39,13 @@ def system(tmp_path_factory) -> System:
             "load": Component(mass, {"force": 1.5}),
         },
         (Connection("cart.v", "damper.v"), Connection("damper.force", "cart.force")),
+        experiment=Experiment(step=STEP),
     )
 
 
 @pytest.fixture(scope="module")
 def fmu(system, tmp_path_factory):
-    path, notes = build_one_fmu(system, tmp_path_factory.mktemp("one") / "pair.fmu", step=STEP)
+    path, notes = build_one_fmu(system, tmp_path_factory.mktemp("one") / "pair.fmu")
     assert any("follow a tangent" in note for note in notes)
     return path
 

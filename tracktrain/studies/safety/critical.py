@@ -47,7 +47,7 @@ def by_profiles(
     return pd.DataFrame(rows).set_index(["profiles", "car"])
 
 
-def by_conicity(cars: Sequence[str], conicities: Sequence[float] = CONICITIES) -> pd.DataFrame:
+def by_conicity(cars: Sequence[str]) -> pd.DataFrame:
     """Critical speed of each car on cones, and its band for this conicity; friction stuck."""
     rows = [
         {"conicity": conicity, "car": car}
@@ -55,7 +55,7 @@ def by_conicity(cars: Sequence[str], conicities: Sequence[float] = CONICITIES) -
             linear_car(car, "stuck", {"wheelrail.conicity": conicity}),
             [number for number in uncertain(car) if number.name != "conicity"],
         )
-        for conicity in conicities
+        for conicity in CONICITIES
         for car in cars
     ]
     return pd.DataFrame(rows).set_index(["conicity", "car"])

@@ -176,17 +176,16 @@ def beam_table(found: Analysis) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["by", "report [Hz]", "ours [Hz]"]).set_index("by")
 
 
-def convergence_table(model: Path | None = None, progress: Progress = unseen) -> pd.DataFrame:
+def convergence_table(model: Path | None) -> pd.DataFrame:
     """Frequencies of the empty car as its mesh is refined, with order and limit.
 
     From f = limit + c h^order at element sizes h, h/2, h/4 (Richardson).
     """
     of, columns = numbers(model), {}
-    for number, refinement in enumerate(REFINEMENTS, start=1):
+    for refinement in REFINEMENTS:
         car = mirrored(assembled(hopper_half(of, refinement)))
         data = modal_data(car, free_modes(car, CROWDED), "")
         columns[refinement] = {m.name: m.frequency for m in data.modes}
-        progress(number / len(REFINEMENTS))
     rows = []
     for name in names():
         coarse, middle, fine = (columns[r].get(name, np.nan) for r in REFINEMENTS)
