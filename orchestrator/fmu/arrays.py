@@ -37,10 +37,11 @@ def taken_apart(description: Description, sizes: Mapping[str, int]) -> Descripti
     sizes: values of structural parameters. Where an FMI 2.0 FMU has numbers of type Real only
     among its inputs and outputs, they are set and read by its own functions, without lanes.
     """
+    dimensions = {size for v in description.variables.values() for size in v.dimensions}
     given = {
         v.name: int(float(v.start or 0))
         for v in description.variables.values()
-        if not v.shape and v.causality == "structuralParameter"
+        if v.name in dimensions
     } | dict(sizes)
     variables: dict[str, Variable] = {}
     arrays: dict[str, tuple[int, ...]] = {}

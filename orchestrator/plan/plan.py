@@ -203,7 +203,9 @@ def component_description(
     sizes: dict[str, int] = {}
     for parameter, value in component.parameters.items():
         variable = found.find(parameter)
-        if variable is not None and variable.causality == "structuralParameter":
+        if variable is None or variable.causality != "structuralParameter":
+            continue
+        if variable.kind == "integer":  # of another type it is no size
             sizes |= {v.name: int(str(n)) for v, n in resolve(name, found, parameter, value)}
     described = describe(component.fmu, sizes, interface) if sizes else found
     if component.ports:

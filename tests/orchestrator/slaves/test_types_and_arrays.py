@@ -14,6 +14,7 @@ from orchestrator import (
     OrchestratorError,
     System,
     describe,
+    make_plan,
     simulate,
 )
 from orchestrator.slaves.abi import DIRECTIONAL
@@ -165,6 +166,21 @@ def test_structural_parameter_resizes_arrays(three):
     assert refusal({"a": Component(three, {"n": 4, "x[2]": 1.0})}) == (
         "a.x[1] has no start value, since its array was resized; give values of all elements"
     )
+
+
+def test_a_structural_parameter_may_be_no_size_and_a_size_a_constant(tmp_path):
+    """Reference-FMUs' Roberts has a Boolean one."""
+    text = fmi3_description(
+        more='<Boolean name="dae" valueReference="60" causality="structuralParameter" '
+        'variability="tunable" start="false"/>'
+        '<UInt64 name="two" valueReference="61" variability="constant" start="2"/>'
+        '<Float64 name="z" valueReference="46"><Dimension valueReference="61"/></Float64>'
+    )
+    described = describe(build_fmi3(tmp_path, text))
+    assert described.arrays["z"] == (2,)
+    for given in (True, "true"):
+        plan = make_plan(System({"a": Component(tmp_path / "three.fmu", {"dae": given})}))
+        assert plan.descriptions[0].arrays["x"] == (2,)
 
 
 def test_inputs_move_along_a_line_in_both_versions(three):
