@@ -232,7 +232,8 @@ def described(variable: Variable) -> dict[str, Any]:
     """Attributes of a variable in a dataset; items are flags, as the CF conventions write them."""
     items = {"false": 0, "true": 1} if variable.kind == "boolean" else variable.items
     values = [float(number) for number in items.values()]
-    flags = {"flag_values": values, "flag_meanings": " ".join(items)} if items else {}
+    words = ["_".join(name.split()) for name in items]
+    flags = {"flag_values": values, "flag_meanings": " ".join(words)} if items else {}
     return {"units": variable.unit or "1", "description": variable.description, **flags}
 
 

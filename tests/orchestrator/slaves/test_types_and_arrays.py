@@ -183,6 +183,13 @@ def test_a_structural_parameter_may_be_no_size_and_a_size_a_constant(tmp_path):
         assert plan.descriptions[0].arrays["x"] == (2,)
 
 
+def test_an_item_of_several_words_is_one_meaning(tmp_path):
+    """The CF conventions part meanings by blanks, and join the words of one by underscores."""
+    items = '<Item name="very slow" value="1"/><Item name="fast" value="5"/>'
+    run = run_of({"a": Component(build_fmi2(tmp_path, fmi2_description(items)))})
+    assert run.dataset["a.mode_out"].attrs["flag_meanings"] == "very_slow fast"
+
+
 def test_inputs_move_along_a_line_in_both_versions(three):
     """position' = rate, led by a rate that another FMU knows at both ends: 2 t, exactly."""
     ramp = InlineModel(
