@@ -7,10 +7,9 @@ roots, shapes = car.modes(speed=24.4)
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
@@ -21,53 +20,22 @@ import numpy as np
 from platformdirs import user_cache_path
 
 from fmus import BLOCKS
-from fmus.carbody.default_data import default_data, outlined
 from fmus.carbody.modal import ModalCarbody
 from fmus.carbody.modal_data import ModalData
 from fmus.catalogue import source_hash
 from fmus.describe.block import Block
-from fmus.truck.ports import ELEMENTS
 
 from ..errors import HopperError, choices
-from ..scales import FOOT
+from .friction import LARGE, damping, kinds, to_rates, tuned
 from .hopper import parameters_of, vehicle
 from .layout import Layout
-from .linear_motion import Array, LinearMotion
+from .linear_motion import Array, LinearMotion, Parameter
 from .spreads import Uncertain
 
 Blocks = tuple[tuple[str, Block], ...]
 Friction = tuple[tuple[str, str], ...]
-KINDS = ("stuck", "free", "damper")
-"""What stands for an element's dry friction: its elastic stiffness, nothing, or the damper of
-report (7-7)."""
-
-FRICTION = {
-    **{kind: dict.fromkeys(ELEMENTS, kind) for kind in KINDS},
-    "report": dict.fromkeys(ELEMENTS, "free")
-    | dict.fromkeys(("centre_plate_lateral", "centre_plate_yaw", "bolster_lateral"), "stuck"),
-}
-"""Kinds of all elements by a name. `report` has linear trucks with the bolster stuck laterally,
-with which the modes of report Figures 7-15 and 7-16 are met."""
-
-TUNED = 60 * FOOT
-"""Speed of the hunting that equivalent dampers are made for [m/s]."""
-
 FUNCTIONS = ("matrix", "slopes")
 """What is built of a car, each in a file of its own."""
-
-LARGE = 4.0
-"""Amplitude of an element without a stop that the damper of (7-7) is made for, over f/Kf."""
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A number of the car: its name, the blocks that have it, its value [SI], unit and meaning."""
-
-    name: str
-    blocks: tuple[str, ...]
-    value: float
-    unit: str
-    description: str
 
 
 class LinearCar(LinearMotion):
@@ -89,7 +57,7 @@ class LinearCar(LinearMotion):
         omega: float = 2 * np.pi,
         carbody: ModalData | None = None,
     ) -> None:
-        self.car, self.friction, self.omega = car, _kinds(friction), omega
+        self.car, self.friction, self.omega = car, kinds(friction), omega
         self.carbody = carbody
         self.layout = vehicle(car).layout
         self._blocks, given = _blocks(), parameters_of(car)
@@ -132,16 +100,6 @@ class LinearCar(LinearMotion):
         """Parameter values [SI] of a block as this car has them."""
         return dict(self._values[block])
 
-    @property
-    def truck(self) -> Mapping[str, float]:
-        return self._values["truck"]
-
-    @property
-    def body(self) -> ModalData:
-        """The carbody as modal data that can be drawn."""
-        given = self.carbody
-        return default_data(self.values("carbody")) if given is None else outlined(given)
-
     def _arguments(self, speed: float, changes: Mapping[str, float]) -> list[Any]:
         values = (
             {name: changes.get(name, value) for name, value in self._values[block].items()}
@@ -177,6 +135,17 @@ class LinearCar(LinearMotion):
         }
         return found, complex(along[-1])
 
+    def relative_slopes(self, speed: float, root: complex) -> tuple[dict[str, complex], complex]:
+        by_parameter, by_speed = self.slopes(speed, root)
+        return {p.name: by_parameter[p.name] * p.value for p in self.parameters}, by_speed
+
+    def moved(self, speed: float, share: float) -> Iterator[tuple[Parameter, Array, Array]]:
+        for p in self.parameters:
+            more, less = (
+                self.matrix(speed, {p.name: (1 + sign * share) * p.value}) for sign in (1, -1)
+            )
+            yield p, more, less
+
     def slopes_along(
         self, speed: float, root: complex, numbers: Sequence[Uncertain]
     ) -> tuple[dict[str, complex], complex]:
@@ -192,26 +161,7 @@ def linear_car(
     car: str, friction: str = "stuck", changes: Mapping[str, float] | None = None
 ) -> LinearCar:
     """The car; its dampers are made for the frequency that it hunts at. # report (7-7)"""
-    if friction != "damper":
-        return LinearCar(car, changes, friction)
-    roots, _ = LinearCar(car, changes).modes(TUNED)
-    return LinearCar(car, changes, friction, omega=float(roots[roots.real.argmax()].imag))
-
-
-def _kinds(friction: str | Mapping[str, str]) -> dict[str, str]:
-    """The kind of each element's friction; of those that are not named it is stuck."""
-    if isinstance(friction, str):
-        if friction not in FRICTION:
-            raise HopperError(f"there is no friction '{friction}'; {choices(friction, FRICTION)}")
-        return FRICTION[friction]
-    for element, kind in friction.items():
-        if element not in ELEMENTS:
-            raise HopperError(f"a truck has no element '{element}'; {choices(element, ELEMENTS)}")
-        if kind not in KINDS:
-            raise HopperError(
-                f"{element} cannot have the friction '{kind}'; {choices(kind, KINDS)}"
-            )
-    return {element: friction.get(element, "stuck") for element in ELEMENTS}
+    return tuned(partial(LinearCar, car, changes), friction)
 
 
 @cache
@@ -233,7 +183,8 @@ def _stored(
     """`_functions`; those of a car of the blocks themselves are kept in files."""
     if listed != tuple(_blocks().items()):
         return _functions(layout, listed, law, friction)
-    made_of = (source_hash(), Path(__file__).read_text(), version("casadi"), layout, law, friction)
+    ours = [Path(__file__).with_name(name).read_text() for name in ("linear.py", "friction.py")]
+    made_of = (source_hash(), *ours, version("casadi"), layout, law, friction)
     key = sha256(repr(made_of).encode()).hexdigest()
     folder = user_cache_path("tracktrain") / "linear"
     places = [folder / f"{key}_{name}.casadi" for name in FUNCTIONS]
@@ -335,11 +286,7 @@ def _with_friction(
     def of(element: str, which: str) -> ca.SX:
         return p[names.index(f"{element}.{which}")]
 
-    to_rates = ca.SX(len(states), len(states))
-    for place, name in enumerate(states):
-        if ".q[" in name:
-            to_rates[place, states.index(name.replace(".q[", ".qd["))] = 1
-    total = stuck
+    moved, total = ca.sparsify(to_rates(states)), stuck
     for element, kind in friction.items():
         if kind == "stuck":
             continue
@@ -349,6 +296,5 @@ def _with_friction(
         if kind == "damper":
             has_stop = of(element, "stop_stiffness") > 0
             amplitude = ca.if_else(has_stop, of(element, "free_play"), LARGE * limit / stiffness)
-            damper = 4 * limit / (ca.pi * omega * amplitude)  # report (7-7), erratum 18
-            total = total + damper * (spring @ to_rates)
+            total = total + damping(limit, amplitude, omega) * (spring @ moved)
     return total

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
-from math import isclose
+from itertools import product
+from math import isclose, nan
 from pathlib import Path
 
 import numpy as np
 
 from fmus.carbody.modal_data import ModalData
-from fmus.catalogue import fmu_path, parameters
-from orchestrator import Component, System, Value, describe, in_unit, linearise, linearised
+from fmus.catalogue import fmu_path
+from orchestrator import Component, LinearModel, System, Value, describe, in_unit, linearised
 
+from .friction import LARGE, damping, kinds, to_rates
 from .hopper import layout_of
 from .layout import SIDES, Layout
-from .linear_motion import Array, LinearMotion
-from .rolling_line import line_of
+from .linear_motion import Array, Complex, LinearMotion, Parameter
+from .rolling_line import lines_of
 from .spreads import Uncertain
+from .values import values_of
 
 SPEEDS = (10.0, 40.0)
 """Two speeds [m/s]: a creepage is a motion over the speed, so that A = B + C/V, whatever the creep
@@ -31,12 +34,12 @@ SAME = 1e-9
 
 
 class LinearFmus(LinearMotion):
-    """dx/dt = A x of a car on perfect track, flange open, all friction stuck, about the lines on
-    which its wheelsets run straight.
+    """dx/dt = A x of a car on perfect track, flange open, about the lines on which its wheelsets
+    run straight.
 
     given: parameters by instance, as its FMU has them; what is not given is as in the FMU. body:
     modal data of the carbody and its FMU, where it is not the default one. fmus: by instance, of
-    wheelsets that are not the default ones.
+    wheelsets that are not the default ones. friction, omega: as of `LinearCar`.
     """
 
     def __init__(
@@ -45,8 +48,11 @@ class LinearFmus(LinearMotion):
         given: Mapping[str, Mapping[str, Value]],
         body: tuple[ModalData, Path] | None = None,
         fmus: Mapping[str, Path] | None = None,
+        friction: str | Mapping[str, str] = "stuck",
+        omega: float = 2 * np.pi,
     ) -> None:
         self.layout, self.carbody = layout, body[0] if body else None
+        self.friction, self.omega = kinds(friction), omega
         files = {name: fmu_path(b) for name, b in layout.blocks.items() if name != layout.track}
         if body:
             files[layout.carbody] = body[1]
@@ -57,22 +63,37 @@ class LinearFmus(LinearMotion):
             )
             for name, path in files.items()
         }
-        front = given[layout.front.instance]
-        numbers = {k: float(v) for k, v in front.items() if isinstance(v, (int, float))}
-        self._truck = {**parameters("loaded")["truck"], **numbers}
 
     @classmethod
-    def of(cls, system: System) -> LinearFmus:
+    def of(
+        cls, system: System, friction: str | Mapping[str, str] = "stuck", omega: float = 2 * np.pi
+    ) -> LinearFmus:
         """Of a car of this carbody and these trucks, on whatever wheelsets."""
         layout = layout_of(system)
         given = {name: component.parameters for name, component in system.components.items()}
         wheelsets = [axle.wheelset for axle in layout.axles]
         fmus = {name: Path(str(system.components[name].fmu)) for name in wheelsets}
-        return cls(layout, given, fmus=fmus)
+        return cls(layout, given, None, fmus, friction, omega)
+
+    def values(self, block: str) -> Mapping[str, float]:
+        return self._values[self.layout.instances(block)[0]]
 
     @property
-    def truck(self) -> Mapping[str, float]:
-        return self._truck
+    def parameters(self) -> list[Parameter]:
+        """The numbers of the car: all but options and initial values."""
+        found: dict[str, list[str]] = {}
+        for instance, own in self._values.items():
+            for name in own:
+                if not name.startswith("initial.") and name != "micro_step":
+                    found.setdefault(name, []).append(instance)
+        return [self._parameter(name, instances) for name, instances in found.items()]
+
+    def _parameter(self, name: str, instances: Sequence[str]) -> Parameter:
+        blocks = dict.fromkeys(self.layout.blocks[instance] for instance in instances)
+        first, *others = (self._values[instance][name] for instance in instances)
+        stated = describe(Path(str(self._components[instances[0]].fmu))).variables[name]
+        value = first if all(isclose(first, other, rel_tol=SAME) for other in others) else nan
+        return Parameter(name, tuple(blocks), value, stated.unit or "1", stated.description)
 
     @property
     def states(self) -> tuple[str, ...]:  # type: ignore[override]
@@ -86,10 +107,9 @@ class LinearFmus(LinearMotion):
         self, speed: float, root: complex, numbers: Sequence[Uncertain]
     ) -> tuple[dict[str, complex], complex]:
         """By differences of the FMUs' derivatives."""
-        weights, (_, _, moving) = self.weights(speed, root), self._parts
-        found = {}
+        weights, found = self.weights(speed, root), {}
         with linearised(self._system(speed), record=[]) as model:
-            still = model({}).a
+            still = self._matrix(model, {})
             for number in numbers:
                 places = self.places(number)
                 if not places:
@@ -99,10 +119,37 @@ class LinearFmus(LinearMotion):
                     value: float, number: Uncertain = number, places: Places = places
                 ) -> Array:
                     changes = number.changes(value)
-                    return model({place: changes[name] for place, name in places.items()}).a
+                    own = {place: changes[name] for place, name in places.items()}
+                    return self._matrix(model, own)
 
                 found[number.name] = complex((weights * _slope(matrix, still, number)).sum())
-        return found, complex((weights * -moving / speed**2).sum())
+        return found, self._by_speed(weights, speed)
+
+    def relative_slopes(self, speed: float, root: complex) -> tuple[dict[str, complex], complex]:
+        """By differences of the FMUs' derivatives."""
+        weights = self.weights(speed, root)
+        found = {
+            p.name: complex((weights * (more - less)).sum()) / (2 * STEP)
+            for p, more, less in self.moved(speed, STEP)
+        }
+        return found, self._by_speed(weights, speed)
+
+    def moved(self, speed: float, share: float) -> Iterator[tuple[Parameter, Array, Array]]:
+        with linearised(self._system(speed), record=[]) as model:
+            for p in self.parameters:
+                own = {
+                    f"{instance}.{p.name}": values[p.name]
+                    for instance, values in self._values.items()
+                    if p.name in values
+                }
+                more, less = (
+                    self._matrix(model, {place: (1 + s * share) * v for place, v in own.items()})
+                    for s in (1, -1)
+                )
+                yield p, more, less
+
+    def _by_speed(self, weights: Complex, speed: float) -> complex:
+        return complex((weights * -self._parts[2] / speed**2).sum())
 
     def places(self, number: Uncertain) -> Places:
         """Where the car has a number, and what follows it, as it is known.
@@ -127,18 +174,51 @@ class LinearFmus(LinearMotion):
         return states, first - moving / SPEEDS[0], moving
 
     def _linearised(self, speed: float) -> tuple[Array, tuple[str, ...]]:
-        found = linearise(self._system(speed), record=[])
-        return found.a, found.states
+        with linearised(self._system(speed), record=[]) as model:
+            return self._matrix(model, {}), model({}).states
+
+    def _matrix(
+        self, model: Callable[[Mapping[str, Value]], LinearModel], values: Mapping[str, float]
+    ) -> Array:
+        """A with these values, friction as it is to stand for.
+
+        It is affine in each friction stiffness, so that what an element's spring does is what goes
+        with its stiffness.
+        """
+        found = model(values)
+        total = found.a
+        for truck, (element, kind) in product(self.layout.trucks, self.friction.items()):
+            if kind == "stuck":
+                continue
+            own = {
+                name: values.get(f"{truck.instance}.{element}.{name}", known)
+                for name in ("friction_stiffness", "friction_limit", "stop_stiffness", "free_play")
+                for known in [self._values[truck.instance][f"{element}.{name}"]]
+            }
+            stiffness, limit = own["friction_stiffness"], own["friction_limit"]
+            none = {f"{truck.instance}.{element}.friction_stiffness": 0.0}
+            spring = found.a - model({**values, **none}).a
+            total = total - spring
+            if kind == "damper" and stiffness > 0.0:
+                stopped = own["stop_stiffness"] > 0.0
+                amplitude = own["free_play"] if stopped else LARGE * limit / stiffness
+                c = damping(limit, amplitude, self.omega)
+                total = total + c / stiffness * spring @ to_rates(found.states)
+        return total
+
+    @cached_property
+    def _values(self) -> Mapping[str, Mapping[str, float]]:
+        """The real parameters of all instances."""
+        return {name: values_of(component) for name, component in self._components.items()}
 
     @cached_property
     def _rails(self) -> Mapping[str, Mapping[str, float]]:
         """Where each wheelset's rails are [m], so that it runs straight with its middle at 0."""
         wheelsets = [axle.wheelset for axle in self.layout.axles]
-        fmus = {name: Path(str(self._components[name].fmu)) for name in wheelsets}
-        lines = {fmu: line_of(fmu) for fmu in {*fmus.values()}}  # all wheelsets may share one
+        lines = lines_of({name: Path(str(self._components[name].fmu)) for name in wheelsets})
         return {
-            name: {f"rail_y_{side}": -lines[fmu] for side in SIDES} if lines[fmu] else {}
-            for name, fmu in fmus.items()
+            name: {f"rail_y_{side}": -line for side in SIDES} if line else {}
+            for name, line in lines.items()
         }
 
     def _system(self, speed: float) -> System:

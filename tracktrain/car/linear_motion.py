@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fmus.carbody.default_data import default_data, outlined
 from fmus.carbody.modal_data import ModalData
 from fmus.truck.mass import mass_matrix
 
@@ -18,11 +20,24 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 
+@dataclass(frozen=True)
+class Parameter:
+    """A number of the car: its name, the blocks that have it, its value [SI], unit and meaning.
+
+    value: nan where instances have unlike ones.
+    """
+
+    name: str
+    blocks: tuple[str, ...]
+    value: float
+    unit: str
+    description: str
+
+
 class LinearMotion(ABC):
     """dx/dt = A x of a car on perfect track.
 
-    states: names of x, by instance. carbody: its modal data, None for the default one. truck:
-    parameters [SI] that the trucks' masses are made of.
+    states: names of x, by instance. carbody: its modal data, None for the default one.
     """
 
     layout: Layout
@@ -43,10 +58,24 @@ class LinearMotion(ABC):
         or has otherwise than they are known, are left out.
         """
 
-    @property
     @abstractmethod
-    def truck(self) -> Mapping[str, float]:
-        """The trucks' parameters [SI]."""
+    def relative_slopes(self, speed: float, root: complex) -> tuple[dict[str, complex], complex]:
+        """Derivative of an eigenvalue at a speed [m/s] by the relative change of each parameter,
+        by name [1/s]; and by the speed."""
+
+    @abstractmethod
+    def moved(self, speed: float, share: float) -> Iterator[tuple[Parameter, Array, Array]]:
+        """Each parameter, and A at a speed [m/s] with more and with less of it, by a share."""
+
+    @abstractmethod
+    def values(self, block: str) -> Mapping[str, float]:
+        """Parameters of a block [SI]; where its instances have unlike ones, those of the first."""
+
+    @property
+    def body(self) -> ModalData:
+        """The carbody as modal data that can be drawn."""
+        given = self.carbody
+        return default_data(self.values("carbody")) if given is None else outlined(given)
 
     def modes(self, speed: float) -> tuple[Complex, Complex]:
         """Eigenvalues [1/s] with a positive imaginary part, and their shapes in the columns."""
@@ -81,7 +110,7 @@ class LinearMotion(ABC):
             rates = [n for n in self.states if n.startswith(f"{instance}.qd[")]
             v = np.array([at[n] for n in rates])
             own = instance == self.layout.carbody
-            moved = v if own else np.array(mass_matrix(self.truck)) @ v
+            moved = v if own else np.array(mass_matrix(self.values("truck"))) @ v
             for name, value, momentum in zip(rates, v, moved, strict=True):
                 shares[name.replace(".qd[", ".q[")] = float((np.conj(value) * momentum).real) / 2
         total = sum(shares.values())

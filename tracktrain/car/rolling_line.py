@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,12 @@ def rolling_line(table: ContactTable) -> float:
         return radii.middle
     except ParameterError:
         return float(radii.shift[np.abs(radii.difference).argmin()])
+
+
+def lines_of(wheelsets: Mapping[str, Path]) -> dict[str, float]:
+    """The rolling lines [m] of wheelsets by instance, of which all may share one FMU."""
+    lines = {fmu: line_of(fmu) for fmu in {*wheelsets.values()}}
+    return {instance: lines[fmu] for instance, fmu in wheelsets.items()}
 
 
 def line_of(fmu: Path) -> float:

@@ -13,6 +13,7 @@ from fmus.names import NAMES
 
 from ..car.hopper import CARS, TRACK, TRACKS, instances
 from ..errors import TracktrainError, choices
+from .fields import adding
 from .types import Assignment, Name, Quantity
 
 Option = Callable[[Any], Any]
@@ -243,6 +244,11 @@ def right_rail_option() -> Option:
         metavar="FILE",
         help="Profile of the right rail, if not as the left one.",
     )
+
+
+def profile_options() -> Option:
+    """--wheel, --rail and those of the right side: real contact geometry under the car."""
+    return adding((wheel_option(), rail_option(), right_wheel_option(), right_rail_option()))
 
 
 def swap_option(**more: Any) -> Option:

@@ -21,15 +21,12 @@ from .car import (
     fmu_of,
     is_track_file,
     layout_option,
-    rail_option,
-    right_rail_option,
-    right_wheel_option,
+    profile_options,
     seed_option,
     set_option,
     speed_option,
     swap_option,
     track_option,
-    wheel_option,
 )
 from .fields import adding
 from .types import Assignment, Quantity
@@ -104,10 +101,7 @@ _OPTIONS = (
         help="Displace a truck or the carbody at the start. Repeatable.",
     ),
     carbody_option(),
-    wheel_option(),
-    rail_option(),
-    right_wheel_option(),
-    right_rail_option(),
+    profile_options(),
     swap_option(),
     click.option(
         "--map",

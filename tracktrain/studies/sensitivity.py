@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from math import pi
 
 import matplotlib as mpl
@@ -11,7 +11,7 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
-from ..car.linear import LinearCar, Parameter, linear_car
+from ..car.linear_motion import LinearMotion, Parameter
 from ..car.modes import (
     SPEEDS,
     Critical,
@@ -19,9 +19,10 @@ from ..car.modes import (
     name_of,
     without_critical_speed,
 )
-from ..options.car import car_option, friction_option, speed_option
+from ..options.car import friction_option, speed_option
 from ..plots import BLUE, INK, RED, STYLE
 from ..scales import FOOT, MILE_PER_HOUR
+from .common.car import CarGiven, of_options, straight_car_options, studied
 from .common.command import study_command
 from .common.given import taking
 from .common.outcome import Outcome
@@ -35,7 +36,7 @@ DIFFERENCE = 1e-4
 
 @taking(speed="m/s")
 def sensitivity(
-    car: str = "loaded",
+    car: CarGiven = "loaded",
     friction: str = "stuck",
     speed: float = 80 * FOOT,
     changes: Mapping[str, float] | None = None,
@@ -45,13 +46,15 @@ def sensitivity(
 
     The report's last recommendation. For the least damped mode at `speed` [m/s], the change of its
     growth rate for one percent of each parameter, exact by the eigenvectors; the same for the
-    critical speed. check: put central differences beside them. changes: parameters [SI] other than
-    the set's.
+    critical speed. On profiles the parameters are what the profiles leave, and the matrices come
+    out of the FMUs' derivatives. check: put central differences beside them. changes: parameters
+    [SI] other than the set's.
     """
-    linear = linear_car(car, friction, changes)
+    car = studied(car)
+    linear = car.linear(changes or {}, friction)
     roots, shapes = linear.modes(speed)
     place = int(roots.real.argmax())
-    growth, _ = linear.slopes(speed, roots[place])
+    growth, _ = linear.relative_slopes(speed, roots[place])
     grid = np.arange(SPEEDS[0], SPEEDS[1] + 1, 2) * FOOT
     critical = critical_speeds(linear, grid)
     table = _table(linear, growth, speed, roots[place], critical, check)
@@ -76,7 +79,7 @@ def sensitivity(
     return Outcome(
         title=title,
         dataset=_dataset(table).assign_attrs(
-            car=car, friction=friction, speed=speed, mode=name, growth=float(roots[place].real)
+            car=str(car), friction=friction, speed=speed, mode=name, growth=float(roots[place].real)
         ),
         tables={
             "for_one_percent": table.drop(columns=["blocks", "value", "unit", "frequency [Hz]"])
@@ -88,18 +91,19 @@ def sensitivity(
 
 command = study_command(
     "sensitivity",
-    car_option(),
+    straight_car_options,
     friction_option(),
     speed_option("80 ft/s"),
     epilog="""\b
 Examples:
   tracktrain study sensitivity
-  tracktrain study sensitivity --car empty --speed "100 ft/s\"""",
-)(sensitivity)
+  tracktrain study sensitivity --car empty --speed "100 ft/s"
+  tracktrain study sensitivity --wheel worn --rail crown""",
+)(of_options(sensitivity))
 
 
 def _table(
-    linear: LinearCar,
+    linear: LinearMotion,
     growth: Mapping[str, complex],
     speed: float,
     root: complex,
@@ -110,13 +114,10 @@ def _table(
     at_critical: Mapping[str, complex] = {}
     per_speed = 0.0
     if critical:
-        at_critical, along_speed = linear.slopes(critical[0].speed, critical[0].root)
+        at_critical, along_speed = linear.relative_slopes(critical[0].speed, critical[0].root)
         per_speed = along_speed.real
-    rows = []
-    for p in linear.parameters:
-        if p.value == 0.0:
-            continue
-        one_percent = 0.01 * p.value
+    rows, one_percent = [], 0.01
+    for p, difference in _differences(linear, speed, root):
         row = {
             "parameter": p.name,
             "blocks": " ".join(p.blocks),
@@ -126,7 +127,7 @@ def _table(
             "frequency [Hz]": growth[p.name].imag * one_percent / (2 * pi),
         }
         if check:
-            row["differences [1/s]"] = _difference(linear, p, speed, root) * one_percent
+            row["differences [1/s]"] = difference * one_percent
         if critical:
             shift = -at_critical[p.name].real / per_speed
             row["critical speed [m/s]"] = shift * one_percent
@@ -147,14 +148,17 @@ def _dataset(table: pd.DataFrame) -> xr.Dataset:
     return xr.Dataset(columns, {"parameter": list(table.index)})
 
 
-def _difference(linear: LinearCar, parameter: Parameter, speed: float, root: complex) -> float:
-    """Central difference of the growth rate of an eigenvalue, per SI unit of a parameter."""
-    h = DIFFERENCE * parameter.value
-    ends = []
-    for value in (parameter.value + h, parameter.value - h):
-        roots = np.linalg.eigvals(linear.matrix(speed, {parameter.name: value}))
-        ends.append(roots[np.abs(roots - root).argmin()].real)
-    return float(ends[0] - ends[1]) / (2 * h)
+def _differences(
+    linear: LinearMotion, speed: float, root: complex
+) -> Iterator[tuple[Parameter, float]]:
+    """Each parameter, and by its relative change the central difference of the growth rate of an
+    eigenvalue."""
+    for parameter, *matrices in linear.moved(speed, DIFFERENCE):
+        ends = []
+        for matrix in matrices:
+            roots = np.linalg.eigvals(matrix)
+            ends.append(roots[np.abs(roots - root).argmin()].real)
+        yield parameter, float(ends[0] - ends[1]) / (2 * DIFFERENCE)
 
 
 @mpl.rc_context(STYLE)

@@ -18,9 +18,9 @@ from matplotlib.figure import Figure
 
 from orchestrator import System, describe, simulate
 
-from ..car.changes import changed, swapped
-from ..car.hopper import hopper_car, layout_of
-from ..car.linear import LinearCar, linear_car
+from ..car.changes import swapped
+from ..car.hopper import layout_of
+from ..car.linear_motion import LinearMotion
 from ..car.modes import (
     CARBODY,
     SPEEDS,
@@ -35,7 +35,6 @@ from ..car.shape_pictures import animate_mode, draw_mode
 from ..car.shapes import Line, wire_frame
 from ..errors import TracktrainError
 from ..options.car import (
-    car_option,
     fmu_of,
     friction_option,
     speed_option,
@@ -45,6 +44,7 @@ from ..options.car import (
 from ..plots import MUTED, RED, STYLE, conversion
 from ..scales import FOOT, MILE_PER_HOUR
 from ..terminal import Progress, unseen
+from .common.car import CarGiven, StudiedCar, of_options, straight_car_options, studied
 from .common.command import study_command
 from .common.given import taking
 from .common.outcome import Outcome
@@ -71,7 +71,7 @@ class RingDown:
 
 @taking(speeds=["m/s"], drawn_speed="m/s")
 def stability(
-    car: str = "loaded",
+    car: CarGiven = "loaded",
     friction: str = "stuck",
     changes: Mapping[str, float] | None = None,
     speeds: Sequence[float] | None = None,
@@ -82,16 +82,18 @@ def stability(
 ) -> Outcome:
     """Damping ratio and frequency of the car's modes against speed, and its critical speed.
 
-    Report Figures 7-14 to 7-16. The eigenvalues are exact, out of the blocks' equations, with dry
-    friction stuck, free, replaced by the equivalent damper of (7-7), or as the report has it.
-    changes: parameters [SI] other than the set's. speeds [m/s]. ring_down: speeds [m/s] at which
-    the growth is also identified from a run of the FMUs; `swaps` are other FMUs for that run, by
-    instance. The modes are drawn at `drawn_speed` [m/s].
+    Report Figures 7-14 to 7-16. The eigenvalues are exact, out of the blocks' equations, on
+    profiles out of the FMUs' derivatives where the wheelsets run straight, with dry friction stuck,
+    free, replaced by the equivalent damper of (7-7), or as the report has it. changes: parameters
+    [SI] other than the set's. speeds [m/s]. ring_down: speeds [m/s] at which the growth is also
+    identified from a run of the FMUs; `swaps` are other FMUs for that run, by instance. The modes
+    are drawn at `drawn_speed` [m/s].
     """
     grid = np.asarray(
         speeds if speeds is not None else np.arange(SPEEDS[0], SPEEDS[1] + 1, 2) * FOOT
     )
-    linear = linear_car(car, friction, changes)
+    car, changes = studied(car), changes or {}
+    linear = car.linear(changes, friction)
     branches = follow(linear, grid, progress)
     critical = critical_speeds(linear, grid)
     tables = {
@@ -99,8 +101,8 @@ def stability(
         "critical_speed": _critical_table(critical),
     }
     if ring_down.speeds:
-        stuck = linear if friction == "stuck" else LinearCar(car, changes)
-        tables["ring_down"] = _ring_down_table(stuck, ring_down, changes or {})
+        stuck = linear if friction == "stuck" else car.linear(changes)
+        tables["ring_down"] = _ring_down_table(car, stuck, ring_down, changes)
     pictures = {"figure_7_14": _figure(branches, grid, friction)}
     files: dict[str, bytes] = {}
     for figure, word in (("figure_7_15", "roll"), ("figure_7_16", "torsion")):
@@ -109,8 +111,8 @@ def stability(
         if animate:
             files[f"{figure}.gif"] = animate_mode(lines, title)
     return Outcome(
-        title=f"Stability of the linearised car, {car}, friction {friction}",
-        dataset=_dataset(branches, grid, car, friction),
+        title=f"Stability of the linearised {car}, friction {friction}",
+        dataset=_dataset(branches, grid, str(car), friction),
         tables=tables,
         pictures=pictures,
         files=files,
@@ -125,7 +127,7 @@ def _from_options(ring_down: Sequence[float], swaps: Mapping[str, Path], **given
 
 command = study_command(
     "stability",
-    car_option(),
+    straight_car_options,
     friction_option(),
     speed_option(
         "60 ft/s", meaning="Speed of the modes that are listed and drawn.", argument="drawn_speed"
@@ -139,8 +141,9 @@ command = study_command(
 Examples:
   tracktrain study stability
   tracktrain study stability --friction damper --speed "80 ft/s"
+  tracktrain study stability --wheel worn --rail 60e1
   tracktrain study stability --ring-down "60 ft/s" --ring-down "100 ft/s\"""",
-)(_from_options)
+)(of_options(_from_options))
 
 
 @taking(speed="m/s", duration="s")
@@ -172,7 +175,7 @@ def _kicked(system: System) -> str:
     )
 
 
-def _modes_table(linear: LinearCar, speed: float) -> pd.DataFrame:
+def _modes_table(linear: LinearMotion, speed: float) -> pd.DataFrame:
     roots, shapes = linear.modes(speed)
     rows = [
         {
@@ -197,12 +200,16 @@ def _critical_table(critical: Sequence[Critical]) -> pd.DataFrame:
 
 
 def _ring_down_table(
-    linear: LinearCar, ring_down: RingDown, changes: Mapping[str, float]
+    car: StudiedCar, linear: LinearMotion, ring_down: RingDown, changes: Mapping[str, float]
 ) -> pd.DataFrame:
-    system = hopper_car(linear.car, track="perfect")
+    system = car.system(changes, track="perfect")
+    if any(car.lines(system).values()):
+        raise TracktrainError(
+            f"a ring-down begins at rest in the middle, where the {car}, whose sides differ, has "
+            "none; leave out --ring-down, `tracktrain study hunting` has its motion"
+        )
     for instance, path in ring_down.swaps.items():
         system, _ = swapped(system, instance, path)
-    system = changed(system, changes)
     rows = []
     for speed in ring_down.speeds:
         found = identified(system, speed)
@@ -216,7 +223,7 @@ def _ring_down_table(
     return pd.DataFrame(rows, columns=columns).set_index("speed [ft/s]")
 
 
-def _drawn(linear: LinearCar, speed: float, word: str) -> tuple[list[Line], str]:
+def _drawn(linear: LinearMotion, speed: float, word: str) -> tuple[list[Line], str]:
     """Lines and title of the slowest mode with at least half of the largest share of a motion."""
     coordinate = f"{linear.layout.carbody}.q[{CARBODY.index(word) + 1}]"
     roots, shapes = linear.modes(speed)
@@ -273,7 +280,11 @@ def _figure(branches: Sequence[Branch], speeds: np.ndarray, friction: str) -> Fi
 
 
 def _notes(
-    linear: LinearCar, critical: Sequence[Critical], speeds: np.ndarray, rung: bool, friction: str
+    linear: LinearMotion,
+    critical: Sequence[Critical],
+    speeds: np.ndarray,
+    rung: bool,
+    friction: str,
 ) -> list[str]:
     notes = ["a ring-down is of small motion, in which friction is stuck"] if rung else []
     if not critical:

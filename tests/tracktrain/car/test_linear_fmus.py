@@ -55,6 +55,15 @@ def test_it_grows_from_the_same_speed_in_the_same_mode(cars):
     assert [growing(car, 44.0).mode for car in cars] == [growing(cars[0], 44.0).mode] * 2
 
 
+@pytest.mark.parametrize("friction", ["free", "damper", "report"])
+def test_friction_stands_for_what_it_does_in_the_equations(friction):
+    given = parameters_of("loaded")
+    own = {name: given[block] for name, block in HOPPER.blocks.items()}
+    found = LinearFmus(HOPPER, own, friction=friction, omega=5.0).matrix(20.0)
+    expected = LinearCar("loaded", None, friction, omega=5.0).matrix(20.0)
+    assert found == pytest.approx(expected, abs=tolerances.CLOSED_FORM * np.abs(expected).max())
+
+
 def test_its_band_is_that_of_the_exact_derivatives():
     own = {name: parameters_of("loaded")[block] for name, block in HOPPER.blocks.items()}
     numbers = uncertain("loaded")

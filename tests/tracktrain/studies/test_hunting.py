@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 import tolerances
+from fmus.export.wheelrail import wheelrail_fmu
 from orchestrator import Session
+from support.contact_tables import circles, cone
+from tracktrain.car.hopper import parameters_of
 from tracktrain.car.linear import LinearCar
 from tracktrain.car.modes import critical_speeds
 from tracktrain.cli.main import main
 from tracktrain.scales import FOOT
+from tracktrain.studies.common.car import StudiedCar
 from tracktrain.studies.hunting.runs import bisected, driven, on_perfect_track
 from tracktrain.studies.hunting.study import hunting
 
@@ -75,6 +81,63 @@ def test_the_reports_linear_car_dies_out_at_60_and_hunts_above():
     growth = table["growth [1/s]"].to_numpy()
     assert growth[0] < 0 < min(growth[1:])
     assert np.isnan(table["amplitude [mm]"].iloc[0])
+
+
+@pytest.fixture(scope="module")
+def uneven():
+    """Wheels of two cones, left and right changed over: FMUs of the wheelsets."""
+    flat, steep = cone(0.05), cone(0.08)
+    return [
+        StudiedCar(wheel=str(wheelrail_fmu(replace(left, right=right))))
+        for left, right in ((flat, steep), (steep, flat))
+    ]
+
+
+@pytest.mark.slow
+def test_unlike_wheels_changed_over_hunt_as_in_a_mirror(uneven):
+    one, other = (
+        hunting(car, [80 * FOOT], 40.0, sign * YAW, transients_only=True)
+        for car, sign in zip(uneven, (1, -1), strict=True)
+    )
+    y = [outcome.dataset["truck_front.axle[1].y"].values for outcome in (one, other)]
+    assert np.abs(y[0]).max() > 5e-3
+    assert np.abs(y[0] + y[1]).max() < 1e-6 * np.abs(y[0]).max()
+    (left,), (right,) = (
+        outcome.tables["limit_cycles"].to_dict("records") for outcome in (one, other)
+    )
+    # Cycles are counted from upward crossings, which are downward ones in the mirror.
+    assert left == pytest.approx(right, rel=2e-3, nan_ok=True)
+    assert left["flange, leading axle [%]"] > 5
+    assert np.isnan(left["growth [1/s]"]) and "not one wave" in " ".join(one.notes)
+
+
+@pytest.mark.slow
+def test_small_motion_on_profiles_grows_as_the_linear_car_on_them():
+    car = StudiedCar(wheel=str(wheelrail_fmu(circles(0.4, 0.3, 0.05))))
+    row = hunting(car, [100 * FOOT], 20.0, initial_yaw=1e-6 * YAW, transients_only=True).tables[
+        "limit_cycles"
+    ]
+    growth, linear = row["growth [1/s]"].iloc[0], row["linear [1/s]"].iloc[0]
+    assert linear > 0.5 and growth == pytest.approx(linear, rel=tolerances.HUNTING_GROWTH)
+
+
+def test_a_limit_that_is_twice_as_high_and_not_met_is_used_half_as_much(usual):
+    limit = parameters_of("loaded")["truck"]["warp.friction_limit"]
+    high = StudiedCar(settings=[("truck_front", "warp.friction_limit", f"{2 * limit} N.m")])
+    found = hunting(high, [60 * FOOT], transients_only=True)
+    used = [
+        outcome.tables["elements"].loc[(60.0, "warp"), "friction/limit"]
+        for outcome in (found, usual)
+    ]
+    assert 2 * used[0] == pytest.approx(used[1], rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["hunting", "stability", "sensitivity"])
+def test_studies_of_the_straight_take_profiles_and_no_line(name):
+    said = CliRunner().invoke(main, ["study", name, "--help"]).output
+    for option in ("--car", "--wheel", "--rail", "--right-wheel", "--right-rail", "--set"):
+        assert f"{option} " in said
+    assert "--layout" not in said
 
 
 @pytest.mark.slow

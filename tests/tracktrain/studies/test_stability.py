@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import tolerances
+from fmus.export.wheelrail import wheelrail_fmu
+from support.contact_tables import circles
+from tracktrain.car.hopper import HOPPER
 from tracktrain.car.linear import LinearCar
 from tracktrain.car.modes import critical_speeds, follow, growing
-from tracktrain.errors import HopperError
+from tracktrain.errors import HopperError, TracktrainError
 from tracktrain.scales import FOOT, INCH, POUND_FORCE
+from tracktrain.studies.common.car import StudiedCar
 from tracktrain.studies.sensitivity import sensitivity
 from tracktrain.studies.stability import RingDown, stability
 
@@ -135,6 +141,69 @@ def test_car_that_is_unstable_at_every_speed_is_not_called_stable():
     assert growing(linear, grid[0]) is not None and not critical_speeds(linear, grid)
     said = stability(car="empty", changes=worn, speeds=grid, animate=False).notes
     assert any("at 60 ft/s already: the critical speed is below that" in note for note in said)
+
+
+def steep(conicity):
+    """The car with other cones, as one of FMUs with --set."""
+    wheelsets = [axle.wheelset for axle in HOPPER.axles]
+    return StudiedCar(settings=[(name, "conicity", conicity) for name in wheelsets])
+
+
+@pytest.mark.parametrize("friction", ["stuck", "damper"])
+def test_a_car_of_fmus_has_the_sensitivities_of_the_equations(friction):
+    found, expected = (
+        sensitivity(car, friction, changes=changes, check=car == "loaded").tables["for_one_percent"]
+        for car, changes in ((steep("0.1"), None), ("loaded", {"wheelrail.conicity": 0.1}))
+    )
+    largest = expected["growth [1/s]"].abs().max()
+    expected = expected[expected["growth [1/s]"].abs() > tolerances.SLOPE * largest]
+    for column in {*found.columns}:
+        known = expected[column]
+        assert found.loc[known.index, column].to_numpy() == pytest.approx(
+            known.to_numpy(), abs=tolerances.SLOPE * known.abs().max()
+        )
+
+
+def test_a_car_of_fmus_has_the_modes_of_the_equations():
+    (found, body), (expected, _) = (
+        (outcome.tables["modes"], outcome.pictures)
+        for outcome in (
+            stability(car, "damper", changes, speeds=[16.0, 17.0], animate=False)
+            for car, changes in ((steep("0.1"), None), ("loaded", {"wheelrail.conicity": 0.1}))
+        )
+    )
+    assert list(found.index) == list(expected.index) and "figure_7_16" in body
+    assert found.to_numpy() == pytest.approx(expected.to_numpy(), rel=1e-6, abs=1e-9)
+
+
+@pytest.fixture(scope="module")
+def rounded():
+    """Of hollow wheels on round rails the FMU of a wheelset, and one with the right side moved."""
+    plain = circles(0.4, 0.3, 0.05)
+    other = replace(plain.tread, over=plain.tread.over - 1e-3)
+    unlike = replace(plain, right=replace(plain, tread=other))
+    return [StudiedCar(wheel=str(wheelrail_fmu(table))) for table in (plain, unlike)]
+
+
+@pytest.mark.slow
+def test_ring_down_on_profiles_tells_the_growth_of_the_eigenvalues(rounded):
+    outcome = stability(
+        rounded[0],
+        speeds=np.array([50.0, 60.0]) * FOOT,
+        ring_down=RingDown((100 * FOOT,)),
+        animate=False,
+    )
+    (row,) = outcome.tables["ring_down"].to_dict("records")
+    assert row["growth, exact [1/s]"] > 0.1
+    for what in ("growth", "frequency"):
+        run, exact = (v for name, v in row.items() if name.startswith(what))
+        assert run == pytest.approx(exact, rel=tolerances.RING_DOWN)
+
+
+@pytest.mark.slow
+def test_a_ring_down_of_sides_that_differ_is_refused(rounded):
+    with pytest.raises(TracktrainError, match="begins at rest in the middle, where the loaded car"):
+        stability(rounded[1], speeds=[16.0, 17.0], ring_down=RingDown((20.0,)), animate=False)
 
 
 def test_pictures_and_animations_of_the_modes_are_written(tmp_path):

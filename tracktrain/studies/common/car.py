@@ -4,26 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 from typing import Any
 
 from orchestrator import System
 
 from ...car.changes import assigned, changed
-from ...car.hopper import SPEED
-from ...car.linear import LinearCar
+from ...car.friction import tuned
+from ...car.hopper import SPEED, layout_of
+from ...car.linear import linear_car
 from ...car.linear_fmus import LinearFmus
 from ...car.linear_motion import LinearMotion
-from ...options.car import (
-    car_option,
-    layout_option,
-    rail_option,
-    right_rail_option,
-    right_wheel_option,
-    set_option,
-    wheel_option,
-)
+from ...car.rolling_line import lines_of
+from ...options.car import car_option, layout_option, profile_options, set_option
 from ...options.chosen import Assigned, Shape, chosen_car
 from ...options.fields import adding
 from .outcome import Outcome
@@ -69,11 +63,20 @@ class StudiedCar:
             system = assigned(system, instance, name, value)
         return system
 
-    def linear(self, changes: Mapping[str, float] = NO_CHANGES) -> LinearMotion:
-        """For small motion on straight track."""
+    @staticmethod
+    def lines(system: System) -> dict[str, float]:
+        """Where each wheelset of such a car runs straight [m], off the middle if sides differ."""
+        wheelsets = [axle.wheelset for axle in layout_of(system).axles]
+        return lines_of({name: Path(str(system.components[name].fmu)) for name in wheelsets})
+
+    def linear(
+        self, changes: Mapping[str, float] = NO_CHANGES, friction: str = "stuck"
+    ) -> LinearMotion:
+        """For small motion on straight track; friction: a name of `car.friction.FRICTION`."""
         if self.wheel is None and not self.settings:
-            return LinearCar(self.car, changes)
-        return LinearFmus.of(self.system(changes, along=False, speed=SPEED, track="perfect"))
+            return linear_car(self.car, friction, changes)
+        system = self.system(changes, along=False, speed=SPEED, track="perfect")
+        return tuned(partial(LinearFmus.of, system), friction)
 
     def __str__(self) -> str:
         profiles = self.wheel, self.rail, self.right_wheel, self.right_rail
@@ -91,21 +94,14 @@ def studied(car: CarGiven) -> StudiedCar:
     return car if isinstance(car, StudiedCar) else StudiedCar(car)
 
 
-studied_car_options = adding(
-    (
-        car_option(),
-        wheel_option(),
-        rail_option(),
-        right_wheel_option(),
-        right_rail_option(),
-        layout_option(),
-        set_option(),
-    )
-)
+straight_car_options = adding((car_option(), profile_options(), set_option()))
+"""Of a study on straight track."""
+
+studied_car_options = adding((car_option(), profile_options(), layout_option(), set_option()))
 
 
 def of_options(study: Callable[..., Outcome]) -> Callable[..., Outcome]:
-    """A study that takes what `studied_car_options` say."""
+    """A study that takes what these options say."""
 
     @wraps(study)
     def call(**given: Any) -> Outcome:

@@ -11,17 +11,20 @@ import xarray as xr
 from fmus.truck.ports import ELEMENTS
 
 from ...car.hopper import layout_of
-from ...car.layout import Axle, Layout, Truck
+from ...car.layout import SIDES, Axle, Layout, Truck
 
 Array = np.ndarray
 Values = Mapping[str, Mapping[str, float]]
-"""Parameter values [SI] by block."""
+"""Parameter values [SI] by instance."""
 
 CYCLES = 8
 """Number of cycles that a limit cycle's numbers are averages of."""
 
 SLIPPING = 1e-9
 """Relative distance from its limit within which a friction force slips."""
+
+CLEARANCES = tuple(f"{side}.clearance" for side in SIDES)
+"""Of a wheelset; below zero the flange touches."""
 
 
 def observed(layout: Layout) -> str:
@@ -32,7 +35,7 @@ def observed(layout: Layout) -> str:
 def needed(layout: Layout) -> list[str]:
     """Outputs that the numbers need."""
     outputs = {"truck": ("axle*", "q*", "friction*", "car*"), "carbody": ("*",)}
-    outputs |= {"wheelrail": ("force_y", "moment_z", "y_rel"), "track": ("speed_out",)}
+    outputs |= {"wheelrail": ("force_y", "moment_z", *CLEARANCES), "track": ("speed_out",)}
     return [f"{name}.{part}" for name, block in layout.blocks.items() for part in outputs[block]]
 
 
@@ -80,24 +83,25 @@ def limit_cycle(dataset: xr.Dataset, values: Values) -> Cycle | None:
     for truck in layout.trucks:
         for number, element in enumerate(ELEMENTS, start=1):
             force = last[f"{truck.instance}.friction[{number}]"].values
-            limit = values["truck"][f"{element}.friction_limit"]
+            limit = values[truck.instance][f"{element}.friction_limit"]
             used[truck.end, element] = float(np.abs(force).max()) / limit
             slipping[truck.end, element] = float(np.mean(np.abs(force) > limit * (1 - SLIPPING)))
             strain = _strain(last, truck, layout.plate(truck), number)
             friction[element] += float(np.sum((force[1:] + force[:-1]) / 2 * np.diff(strain)))
-    has_flange = values["wheelrail"]["flange_stiffness"] > 0.0
-    clearance = values["wheelrail"]["flange_clearance"] if has_flange else np.inf
+    gaps = {
+        axle.wheelset: np.min([last[f"{axle.wheelset}.{name}"] for name in CLEARANCES], axis=0)
+        for axle in layout.axles
+    }
     y = last[observed(layout)].values
-    gaps = {axle.wheelset: np.abs(last[f"{axle.wheelset}.y_rel"]) for axle in layout.axles}
     return Cycle(
         amplitude=float(np.ptp(y) / 2),
         frequency=count / float(time[-1] - time[0]),
         used=used,
         slipping=slipping,
         friction={name: energy / count for name, energy in friction.items()},
-        contact={name: float((gap > clearance).mean()) for name, gap in gaps.items()},
+        contact={name: float((gap < 0.0).mean()) for name, gap in gaps.items()},
         rails=sum(work(_rail_power(last, axle)) for axle in layout.axles),
-        carbody=work(_modal_power(last, layout.carbody, values["carbody"])),
+        carbody=work(_modal_power(last, layout.carbody, values[layout.carbody])),
         centre_plates=sum(
             work(_contact_power(last, truck, layout.plate(truck))) for truck in layout.trucks
         ),

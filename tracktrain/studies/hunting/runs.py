@@ -20,9 +20,10 @@ from orchestrator import (
 )
 
 from ...car.changes import displaced
-from ...car.hopper import hopper_car, layout_of, parameters_of
-from ...car.linear import LinearCar
+from ...car.hopper import layout_of
+from ...car.values import values_of
 from ...scales import FOOT
+from ..common.car import CarGiven, StudiedCar, studied
 from ..common.rig import completed
 from ..common.ringdown import Oscillation, oscillation
 from .cycle import Cycle, limit_cycle, needed, observed
@@ -40,14 +41,22 @@ SMALL = 5e-5
 """Amplitude below which a motion that falls has died [m]; it is the disturbance that lets the car
 leave an unstable equilibrium at the next speed."""
 
+STAYS = 5e-4
+"""Amplitude from which a motion that stays what it is has settled [m]: on profiles limit cycles may
+be small. Less may still be on its way."""
+
 RAMP = 5 * FOOT
 """Change of the speed between two plateaus [m/s per s]."""
 
 EVERY, TRANSIENT_EVERY = 5, 2
 """Macro steps between two rows that are kept, of the driven car and of a transient."""
 
-LINEAR = 4e-3
-"""Motion of the leading axle up to which friction sticks and no flange touches [m]."""
+LINEAR, ON_PROFILES = 4e-3, 5e-4
+"""Motion of the leading axle up to which friction sticks and no flange touches [m], on cones; and
+up to which what profiles do is that of their middle."""
+
+UNEXPLAINED = 0.2
+"""Share of a motion that its wave may leave out."""
 
 DRIVER = "driver"
 """The instance that sets the speed, and ends the run."""
@@ -55,11 +64,14 @@ DRIVER = "driver"
 
 @dataclass(frozen=True)
 class Transient:
-    """A run from the initial yaw at one speed [m/s], its small motion and its limit cycle."""
+    """A run from the initial yaw at one speed [m/s], its small motion and its limit cycle.
+
+    growth: None where the small motion is not one wave.
+    """
 
     speed: float
     dataset: xr.Dataset
-    growth: Oscillation
+    growth: Oscillation | None
     exact: float
     cycle: Cycle | None
 
@@ -92,20 +104,23 @@ class Plateau:
 
 
 def has_settled(before: float, now: float) -> bool:
-    """Whether an amplitude [m] has died, or is large and stays what it is."""
+    """Whether an amplitude [m] has died, or stays what it is."""
     died = now < SMALL and now <= before
-    return died or (now > LARGE and abs(now - before) < SETTLED * now)
+    return died or (now > STAYS and abs(now - before) < SETTLED * now)
 
 
-def on_perfect_track(car: str, speed: float, initial_yaw: float) -> System:
-    """The car at a speed [m/s], its front truck yawed by an angle [rad]."""
-    system = hopper_car(car, speed, "perfect")
-    front = layout_of(system).front.instance
-    return displaced(system, front, "yaw", f"{float(initial_yaw)!r} rad")
+def on_perfect_track(car: CarGiven, speed: float, initial_yaw: float) -> System:
+    """The car at a speed [m/s] where it runs straight, its front truck yawed by an angle [rad]."""
+    system = studied(car).system(along=False, speed=speed, track="perfect")
+    layout = layout_of(system)
+    line = StudiedCar.lines(system)[layout.leading.wheelset]
+    for body in layout.bodies if line else ():
+        system = displaced(system, body, "lateral", f"{line!r} m")
+    return displaced(system, layout.front.instance, "yaw", f"{float(initial_yaw)!r} rad")
 
 
 def transient(
-    car: str, speed: float, duration: float, initial_yaw: float, session: Session
+    car: StudiedCar, speed: float, duration: float, initial_yaw: float, session: Session
 ) -> Transient:
     """Run the car for a time [s] at a speed [m/s] from a yaw [rad] of its front truck."""
     system = on_perfect_track(car, speed, initial_yaw)
@@ -114,15 +129,20 @@ def transient(
         system, duration=duration, record=needed(layout), every=TRANSIENT_EVERY, session=session
     )
     y = completed(run, f"the run at {speed:g} m/s").dataset[observed(layout)].values
-    large = np.flatnonzero(np.abs(y) > LINEAR)
+    y = y - StudiedCar.lines(system)[layout.leading.wheelset]
+    large = np.flatnonzero(np.abs(y) > (ON_PROFILES if car.wheel else LINEAR))
     end = int(large[0]) if large.size else len(y)
     late = slice(end - end // 2, end)
     growth = oscillation(run.time[late], y[late] / float(np.abs(y[late]).max()))
+    cycles = growth.frequency * (end // 2) * (run.time[1] - run.time[0])
+    one_wave = cycles > 1.0 and growth.unexplained < UNEXPLAINED
     half = round(duration / 4 / (run.time[1] - run.time[0]))
     kept = [np.ptp(part) / 2 for part in (y[-2 * half : -half], y[-half:])]
     steady = min(kept) > LARGE / 10 and abs(kept[1] / kept[0] - 1) < 0.02
-    cycle = limit_cycle(run.dataset, parameters_of(car)) if steady else None
-    return Transient(speed, run.dataset, growth, LinearCar(car).growth(speed), cycle)
+    values = {name: values_of(system.components[name]) for name in layout.bodies}
+    cycle = limit_cycle(run.dataset, values) if steady else None
+    exact = car.linear().growth(speed)
+    return Transient(speed, run.dataset, growth if one_wave else None, exact, cycle)
 
 
 def driven(

@@ -10,12 +10,12 @@ import xarray as xr
 
 from orchestrator import Session
 
-from ...car.linear import LinearCar
 from ...car.modes import critical_speeds
-from ...options.car import REPORT_SPEEDS, SPEED_KIND, car_option, duration_option, speeds_option
+from ...options.car import REPORT_SPEEDS, SPEED_KIND, duration_option, speeds_option
 from ...options.types import Quantity
 from ...scales import FOOT
 from ...terminal import Progress, unseen
+from ..common.car import CarGiven, StudiedCar, of_options, straight_car_options, studied
 from ..common.command import study_command
 from ..common.given import taking
 from ..common.outcome import Outcome
@@ -44,7 +44,7 @@ RESOLUTION = 0.1 * FOOT
 
 @taking(speeds=["m/s"], duration="s", initial_yaw="rad", staircase=["m/s"], longest="s")
 def hunting(
-    car: str = "loaded",
+    car: CarGiven = "loaded",
     speeds: Sequence[float] = SPEEDS,
     duration: float = 80.0,
     initial_yaw: float = INITIAL_YAW,
@@ -58,8 +58,10 @@ def hunting(
     Report Figures 7-1 to 7-12 at each of `speeds` [m/s], runs of `duration` [s]. The staircase of
     speeds [m/s] is climbed and descended, each held until the motion has settled, at most `longest`
     [s]; the state is carried along. The nonlinear critical speed is the lowest that keeps the limit
-    cycle of the staircase's upper end. transients_only: leave both out.
+    cycle of the staircase's upper end. transients_only: leave both out. A car whose sides differ
+    starts where its rolling radii are equal.
     """
+    car = studied(car)
     climbed = None if transients_only else staircase
     share = 0.3 if climbed else 1.0
     transients: list[Transient] = []
@@ -95,8 +97,8 @@ def hunting(
         }
         pictures["limit_cycle_against_speed"] = staircase_figure(plateaus, tried, critical)
     return Outcome(
-        title=f"Hunting of the {car} car from {np.rad2deg(initial_yaw):.3g} degree of yaw",
-        dataset=_dataset(transients, plateaus).assign_attrs(car=car, initial_yaw=initial_yaw),
+        title=f"Hunting of the {car} from {np.rad2deg(initial_yaw):.3g} degree of yaw",
+        dataset=_dataset(transients, plateaus).assign_attrs(car=str(car), initial_yaw=initial_yaw),
         tables=tables,
         pictures=pictures,
         notes=_notes(transients, plateaus, tried, climbed),
@@ -105,7 +107,7 @@ def hunting(
 
 command = study_command(
     "hunting",
-    car_option(),
+    straight_car_options,
     speeds_option("--speed", "speeds", REPORT_SPEEDS, "Speed of a transient."),
     duration_option("80s", "Simulated time of each transient."),
     click.option(
@@ -144,12 +146,13 @@ command = study_command(
 Examples:
   tracktrain study hunting
   tracktrain study hunting --car empty --staircase "60 ft/s" "140 ft/s"
+  tracktrain study hunting --wheel worn --rail 60e1 --no-staircase
   tracktrain study hunting --speed "70 mph" --duration 30s --no-staircase""",
-)(hunting)
+)(of_options(hunting))
 
 
-def _linear_critical_speeds(car: str, between: tuple[float, float]) -> list[float]:
-    return [found.speed for found in critical_speeds(LinearCar(car), np.arange(*between, 4 * FOOT))]
+def _linear_critical_speeds(car: StudiedCar, between: tuple[float, float]) -> list[float]:
+    return [found.speed for found in critical_speeds(car.linear(), np.arange(*between, 4 * FOOT))]
 
 
 def _dataset(transients: Sequence[Transient], plateaus: Sequence[Plateau]) -> xr.Dataset:
@@ -180,6 +183,12 @@ def _notes(
         f"at {t.speed / FOOT:.0f} ft/s the motion has not settled to a limit cycle"
         for t in transients
         if t.cycle is None
+    ]
+    notes += [
+        f"at {t.speed / FOOT:.0f} ft/s the small motion is not one wave, and has no growth of its "
+        "own: several modes die away, or sides that differ push the car away at once"
+        for t in transients
+        if t.growth is None
     ]
     open_ended = sorted({round(p.speed / FOOT, 1) for p in plateaus if not p.settled})
     if open_ended:

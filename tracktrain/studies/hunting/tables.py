@@ -21,7 +21,7 @@ def cycles_table(transients: Sequence[Transient]) -> pd.DataFrame:
         shares = list(cycle.contact.values()) if cycle else [nothing]
         return {
             "speed [ft/s]": t.speed / FOOT,
-            "growth [1/s]": t.growth.growth,
+            "growth [1/s]": t.growth.growth if t.growth else nothing,
             "linear [1/s]": t.exact,
             "amplitude [mm]": 1e3 * cycle.amplitude if cycle else nothing,
             "frequency [Hz]": cycle.frequency if cycle else nothing,
