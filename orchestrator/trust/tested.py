@@ -20,6 +20,7 @@ from ..errors import plain
 from ..plan.plan import component_description
 from ..slaves.isolated.slave import cause
 from ..system.encoding import encode
+from ..system.profile import Profile
 from ..system.system import Component
 from .findings import VERSION, Finding, SelfTest
 from .self_test import self_test
@@ -29,9 +30,10 @@ TIMEOUT = 60.0
 
 
 def self_tests(components: Mapping[str, Component], *, anew: bool = False) -> dict[str, SelfTest]:
-    """The self-test of each instance's FMU; what is remembered counts, unless `anew`.
+    """The self-test of each instance's FMU or model; what is remembered counts, unless `anew`.
 
-    An FMU is tested with the values of the first instance that has it, by steps that it recommends.
+    A table has none: whether it reaches to the end, the run itself sees. An FMU is tested with the
+    values of the first instance that has it, by steps that it recommends.
     A test that found nothing wrong counts for all values, another one for these values and this
     state of the package alone: they may be what was wrong.
     Raises OrchestratorError for what cannot be described.
@@ -40,6 +42,8 @@ def self_tests(components: Mapping[str, Component], *, anew: bool = False) -> di
     known: dict[str, SelfTest] = {}
     waiting: dict[str, Component] = {}
     for name, component in components.items():
+        if isinstance(component.fmu, Profile):
+            continue
         if component.file is None:
             hashes[name] = name
             known[name] = self_test(component)

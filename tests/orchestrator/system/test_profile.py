@@ -64,6 +64,14 @@ def test_corners_between_macro_steps_cost_the_square_of_the_step():
     assert max(e / s**2 for e, s in zip(errors, (0.02, 0.01, 0.005), strict=True)) < 45.0
 
 
+def test_a_table_that_ends_with_the_run_gives_no_cause_for_doubt():
+    system = rolling().driven("track.speed", RUN_DOWN)
+    run = simulate(system, duration=3.0, step=0.1, self_test=True)
+    assert run.completed, run.message
+    assert "self-test failed" not in str(run.verdict)
+    assert not any("self-test" in note for note in run.notes)
+
+
 def test_an_oscillator_driven_by_a_table_converges_with_second_order():
     """x'' = u - x with u a ramp: x = t - sin t."""
 
