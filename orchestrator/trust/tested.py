@@ -10,7 +10,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import cache
 from pathlib import Path
 
@@ -58,7 +58,12 @@ def self_tests(components: Mapping[str, Component], *, anew: bool = False) -> di
     for sha256, found in zip(waiting, _elsewhere(list(waiting.values())), strict=True):
         known[sha256] = found
         _remember(sha256, waiting[sha256], found)
-    return {name: known[sha256] for name, sha256 in hashes.items()}
+    return {name: _named(known[sha256], components[name]) for name, sha256 in hashes.items()}
+
+
+def _named(found: SelfTest, component: Component) -> SelfTest:
+    """A test by the name that the file has here: another copy of it may have been tested."""
+    return replace(found, label=component.file.name) if component.file else found
 
 
 def _elsewhere(components: Sequence[Component]) -> Iterator[SelfTest]:

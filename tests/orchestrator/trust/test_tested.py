@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -122,6 +123,14 @@ def test_a_result_is_remembered_by_the_hash_of_the_file(tmp_path, cache, monkeyp
     assert self_tests(components) == first and len(asked) == 1
     self_tests(components, anew=True)
     assert len(asked) == 2
+
+
+def test_a_copy_of_a_tested_file_is_told_by_its_own_name(tmp_path):
+    first = build_damper(tmp_path)
+    copies = [shutil.copy(first, tmp_path / name) for name in ("mine.fmu", "yours.fmu")]
+    assert self_tests({"a": Component(first)})["a"].label == "damper.fmu"
+    found = self_tests({str(i): Component(Path(copy)) for i, copy in enumerate(copies)})
+    assert [test.label for test in found.values()] == ["mine.fmu", "yours.fmu"]
 
 
 def test_a_wrong_value_in_one_run_is_no_finding_of_the_next():
