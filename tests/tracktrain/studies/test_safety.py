@@ -6,8 +6,9 @@ from math import inf
 
 import pytest
 
+from tracktrain.errors import TracktrainError
 from tracktrain.geometry.layout import length_of
-from tracktrain.studies.safety.cases import SAFETY, Case, Line, Surroundings, highest_safe
+from tracktrain.studies.safety.cases import SAFETY, Case, Line, Profiles, Surroundings, highest_safe
 from tracktrain.studies.safety.study import safety
 
 
@@ -35,6 +36,36 @@ def test_a_speed_is_safe_below_the_first_that_is_not(unsafe, reason):
     safe, first = highest_safe([case(30.0), unsafe, case(10.0)])
     assert safe == 10.0 and first is unsafe and first.reason == reason
     assert highest_safe([case(30.0), case(10.0)]) == (30.0, None)
+
+
+def test_profiles_are_those_of_both_sides_or_left_and_right(tmp_path):
+    odd = tmp_path / "mine,new.csv"
+    odd.touch()
+    assert Profiles.of("worn,conical", "crown").right == ("conical", None)
+    assert Profiles.of(("worn", "conical"), "crown,60e1") == Profiles(
+        "worn", "crown", ("conical", "60e1")
+    )
+    assert Profiles.of("worn,worn", str(odd)) == Profiles("worn", str(odd))
+    assert str(Profiles.of("worn,conical", str(odd))) == "worn,conical on mine,new"
+    for wrong in ("worn,", "worn,conical,worn", ""):
+        with pytest.raises(TracktrainError, match="no wheel of both sides; give a file or a name"):
+            Profiles.of(wrong, "crown")
+
+
+@pytest.mark.slow
+def test_unlike_sides_changed_over_have_the_same_critical_speed_and_are_unlike_in_a_curve():
+    outcome = safety(
+        cars=["loaded"],
+        speeds=["30 mph"],
+        radii=["300 m"],
+        pairs=[("worn,conical", "crown"), ("conical,worn", "crown")],
+        surroundings=Surroundings("perfect"),
+    )
+    left, right = outcome.tables["critical_speed_by_profiles"].drop(columns="mode").to_numpy()
+    assert left.astype(float) == pytest.approx(right.astype(float), rel=1e-6)
+    straight, curve = outcome.dataset.share.sel(limit="wheel_l_over_v").values.reshape(2, 2).T
+    assert straight[0] == pytest.approx(straight[1], rel=1e-3)
+    assert abs(curve[0] / curve[1] - 1) > 0.01
 
 
 @pytest.mark.slow

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf, isinf
+from pathlib import Path
 
 import pandas as pd
 
@@ -17,11 +19,14 @@ from ...assessment.rules import rules
 from ...car.hopper import hopper_car, layout_of
 from ...car.track import time_over, with_track
 from ...car.wheelsets import with_profiles
+from ...errors import TracktrainError
 from ...events import DERAILMENT, events
 from ...failures import heard
 from ...geometry.layout import Element, length_of, with_layout
 from ...geometry.making import empty, with_spectrum
 from ...geometry.sections import CURVE, STRAIGHT, TRANSITION
+from ...profiles.examined import NORM, Examined
+from ...profiles.pairing import Pairing, contact_table
 from ...scales import MILE_PER_HOUR
 
 STEP = 1e-3
@@ -73,6 +78,54 @@ class Line:
             Element(TRANSITION, EASING, 0.0, 0.0),
             Element(STRAIGHT, EXIT, 0.0, 0.0),
         ]
+
+
+Profile = str | Path
+Given = Profile | tuple[Profile, Profile]
+"""A profile of both sides, also as "left,right"; or those of the left and the right side."""
+
+
+@dataclass(frozen=True)
+class Profiles:
+    """A wheel and a rail, and those of the right side; None: as on the left."""
+
+    wheel: Profile
+    rail: Profile
+    right: tuple[Profile | None, Profile | None] = (None, None)
+
+    @classmethod
+    def of(cls, wheel: Given, rail: Given) -> Profiles:
+        """Of what a study is given; raises TracktrainError for what is no one or two profiles."""
+        (left, other), (own, another) = _sides(wheel, "wheel"), _sides(rail, "rail")
+        return cls(left, own, (other, another))
+
+    @cached_property
+    def table(self) -> ContactTable:
+        """What they do in the freight car's track."""
+        return contact_table(self.wheel, self.rail, right=self.right)
+
+    @property
+    def conicity(self) -> float:
+        """Equivalent one at the norm's amplitude."""
+        placed = Pairing().placed(self.wheel, self.rail, right=self.right)
+        return Examined(*placed).conicity_at(NORM)
+
+    def __str__(self) -> str:
+        both = zip((self.wheel, self.rail), self.right, strict=True)
+        return " on ".join(",".join(Path(p).stem for p in pair if p is not None) for pair in both)
+
+
+def _sides(given: Given, kind: str) -> tuple[Profile, Profile | None]:
+    """The left profile, and the right one where it is another."""
+    parts: Sequence[Profile] = given if isinstance(given, tuple) else (given,)
+    if isinstance(given, str) and not Path(given).is_file():
+        parts = tuple(part.strip() for part in given.split(","))
+    if len(parts) > 2 or not all(map(str, parts)):
+        raise TracktrainError(
+            f"'{given}' is no {kind} of both sides; give a file or a name, or left and right as in "
+            "worn,conical"
+        )
+    return parts[0], parts[1] if parts[-1] != parts[0] else None
 
 
 @dataclass(frozen=True)
@@ -137,16 +190,15 @@ def laid(line: Line, surroundings: Surroundings) -> TrackData:
 def run_case(
     car: str,
     along: tuple[Line, TrackData],
-    profiles: tuple[str, ContactTable],
+    profiles: Profiles,
     speed: float,
     creep_law: str,
     session: Session,
 ) -> Case:
-    """One run; along: a line and its track; profiles: their name and table."""
+    """One run; along: a line and its track."""
     line, data = along
     system = hopper_car(car, speed, "perfect")
-    name, table = profiles
-    system, _ = with_profiles(system, table)
+    system, _ = with_profiles(system, profiles.table)
     given = {"creep_law": creep_law}
     wheelsets = [axle.wheelset for axle in layout_of(system).axles]
     system = system.with_values({wheelset: given for wheelset in wheelsets})
@@ -154,12 +206,12 @@ def run_case(
     duration = time_over(system, data, STEP)
     run = heard(simulate(system, duration=duration, step=STEP, session=session))
     if not run.completed and run.time.size < 100:
-        return Case(car, line, name, speed, {}, 0, run.message or "")
+        return Case(car, line, str(profiles), speed, {}, 0, run.message or "")
     found = events(run.dataset)
     return Case(
         car,
         line,
-        name,
+        str(profiles),
         speed,
         _shares(assess(run)),
         sum(event.kind == DERAILMENT for event in found),

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from math import nan, pi
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
-
-from fmus.wheelrail.contact_table import ContactTable
 
 from ...car.band import critical_band
 from ...car.hopper import hopper_car
@@ -19,9 +16,9 @@ from ...car.linear_motion import LinearMotion
 from ...car.modes import critical_speeds, growing
 from ...car.spreads import Uncertain, uncertain
 from ...car.wheelsets import with_profiles
-from ...profiles.examined import NORM, Examined
-from ...profiles.pairing import Pairing
+from ...profiles.examined import NORM
 from ...scales import FOOT, MILE_PER_HOUR
+from .cases import Profiles
 
 GRID = np.arange(10.0, 202.0, 4.0) * FOOT
 """Speeds between which a critical speed is looked for [m/s]."""
@@ -30,20 +27,16 @@ CONICITIES = (0.025, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4)
 """Of cones [1]."""
 
 
-def by_profiles(
-    cars: Sequence[str], pairs: Mapping[str, tuple[str | Path, str | Path, ContactTable]]
-) -> pd.DataFrame:
+def by_profiles(cars: Sequence[str], pairs: Sequence[Profiles]) -> pd.DataFrame:
     """Equivalent conicity at 3 mm and critical speed of each car on each pair; friction stuck.
 
     With its band from 5 to 95 %, on these profiles as they are.
     """
     rows = []
-    for name, (wheel, rail, table) in pairs.items():
-        examined = Examined(*Pairing().placed(wheel, rail))
+    for pair in pairs:
+        shared = {"profiles": str(pair), f"conicity at {1e3 * NORM:g} mm": pair.conicity}
         for car in cars:
-            row: dict[str, object] = {"profiles": name, "car": car}
-            row[f"conicity at {1e3 * NORM:g} mm"] = examined.conicity_at(NORM)
-            rows.append(row | _critical(_on_profiles(car, table), uncertain(car)))
+            rows.append(shared | {"car": car} | _critical(_on_profiles(car, pair), uncertain(car)))
     return pd.DataFrame(rows).set_index(["profiles", "car"])
 
 
@@ -61,8 +54,8 @@ def by_conicity(cars: Sequence[str]) -> pd.DataFrame:
     return pd.DataFrame(rows).set_index(["conicity", "car"])
 
 
-def _on_profiles(car: str, table: ContactTable) -> LinearFmus:
-    system, _ = with_profiles(hopper_car(car, track="perfect"), table)
+def _on_profiles(car: str, pair: Profiles) -> LinearFmus:
+    system, _ = with_profiles(hopper_car(car, track="perfect"), pair.table)
     return LinearFmus.of(system)
 
 

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from functools import wraps
 from itertools import product
 from math import nan
-from pathlib import Path
 from typing import Any
 
 import click
@@ -19,13 +18,23 @@ from orchestrator import Session
 
 from ...options.car import seed_option, speeds_option, track_option
 from ...options.types import Name, Quantity
-from ...profiles.pairing import contact_table
 from ...scales import MILE_PER_HOUR
 from ...terminal import Progress, unseen
 from ..common.command import study_command
 from ..common.given import taking
 from ..common.outcome import Outcome
-from .cases import SAFETY, Case, Line, Surroundings, highest_safe, laid, mph, run_case
+from .cases import (
+    SAFETY,
+    Case,
+    Given,
+    Line,
+    Profiles,
+    Surroundings,
+    highest_safe,
+    laid,
+    mph,
+    run_case,
+)
 from .critical import by_conicity, by_profiles
 from .pictures import shares_figure
 
@@ -41,8 +50,6 @@ PAIRS = (("conical", "crown"), ("worn", "crown"), ("worn", "60e1"))
 
 AS_USUAL = Surroundings()
 
-Pair = tuple[str | Path, str | Path]
-
 
 @taking(speeds=["m/s"], radii=["m"], cant="m")
 def safety(
@@ -50,7 +57,7 @@ def safety(
     speeds: Sequence[float] = SPEEDS,
     radii: Sequence[float] = RADII,
     cant: float = CANT,
-    pairs: Sequence[Pair] = PAIRS,
+    pairs: Sequence[tuple[Given, Given]] = PAIRS,
     surroundings: Surroundings = AS_USUAL,
     progress: Progress = unseen,
 ) -> Outcome:
@@ -61,19 +68,15 @@ def safety(
     the limits of derailment, wheel loads, track forces and carbody motion are judged, and what of
     them is used most. The creep law has to end at friction, which `linear` does not. Beside that
     stands the critical speed of the linear car, friction stuck, by profiles and by the conicity of
-    cones.
+    cones. Curves go to the left, so that of unlike sides the right one is outside.
     """
-    tables = {
-        f"{_named(wheel)} on {_named(rail)}": (wheel, rail, contact_table(wheel, rail))
-        for wheel, rail in pairs
-    }
+    profiles = [Profiles.of(wheel, rail) for wheel, rail in pairs]
     lines = [Line(), *(Line(radius, cant) for radius in radii)]
     tracks = {line: laid(line, surroundings) for line in lines}
-    asked = list(product(cars, tables, lines, sorted(speeds)))
+    asked = list(product(cars, profiles, lines, sorted(speeds)))
     cases = []
     with Session() as session:
-        for number, (car, name, line, speed) in enumerate(asked, start=1):
-            on = name, tables[name][2]
+        for number, (car, on, line, speed) in enumerate(asked, start=1):
             along, creep_law = (line, tracks[line]), surroundings.creep_law
             cases.append(run_case(car, along, on, speed, creep_law, session))
             progress(number / len(asked))
@@ -84,7 +87,7 @@ def safety(
         tables={
             "highest_safe_speed": _highest(cases),
             "nearest_limit": _nearest(cases),
-            "critical_speed_by_profiles": by_profiles(cars, tables),
+            "critical_speed_by_profiles": by_profiles(cars, profiles),
             "critical_speed_by_conicity": by_conicity(cars),
         },
         pictures={"nearest_limit": shares_figure(cases)},
@@ -136,8 +139,9 @@ command = study_command(
         nargs=2,
         multiple=True,
         default=PAIRS,
-        metavar="WHEEL RAIL",
-        help="Profiles, each a file or a shape of `tracktrain profile`. Repeatable.  "
+        metavar="WHEEL[,RIGHT] RAIL[,RIGHT]",
+        help="Profiles, each a file or a shape of `tracktrain profile`, or two with a comma: left "
+        "and right, which is outside in the curves. Repeatable.  "
         "[default: conical crown, worn crown, worn 60e1]",
     ),
     track_option("fra4"),
@@ -153,12 +157,9 @@ command = study_command(
 Examples:
   tracktrain study safety
   tracktrain study safety --car empty --radius "300 m" --cant "4 in" --speed "25 mph"
-  tracktrain study safety --profiles my_wheel.csv 60e1""",
+  tracktrain study safety --profiles my_wheel.csv 60e1
+  tracktrain study safety --profiles worn,conical crown --profiles conical,worn crown""",
 )(_from_options)
-
-
-def _named(profile: str | Path) -> str:
-    return Path(profile).stem
 
 
 def _groups(cases: Sequence[Case]) -> dict[tuple[str, str, str], list[Case]]:
