@@ -6,12 +6,13 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import cast
 
 from ..errors import OrchestratorError, ResultsError
 from ..fmu.read import describe
 from ..masters.base import Master
 from ..results.provenance import Provenance
-from ..results.signals import open_signals
+from ..results.signals import Responses, open_signals
 from ..system.encoding import decode, encode
 from ..system.system import Component, System
 from .context import Context
@@ -39,22 +40,25 @@ def written_request(context: Context) -> str | None:
         return None
 
 
-def read_request(place: Path | str, folders: Sequence[Path] = ()) -> Request:
-    """What the run in a folder was asked for, its FMUs found again by their hash.
+def read_request(place: Path | str | Responses, folders: Sequence[Path] = ()) -> Request:
+    """What the run in a folder, or of a dataset, was asked for; its FMUs found again by their hash.
 
     folders: where FMUs may be that are no longer where they were. Raises ResultsError.
     """
-    found = open_signals(place)
+    if isinstance(place, Path | str):
+        label, found = f"'{place}'", cast("Responses", open_signals(place))
+    else:
+        label, found = "the dataset", place
     text, known = found.attrs.get(REQUEST), Provenance.of(found).fmus
     if text is None:
         raise ResultsError(
-            f"'{place}' does not say what was asked for: a model in Python was part of it, or it "
+            f"{label} does not say what was asked for: a model in Python was part of it, or it "
             "is of another version; run it as it was run before"
         )
     try:
         system, master, settings = (decode(part) for part in json.loads(text))
     except (ValueError, KeyError, TypeError, AttributeError, ImportError) as error:
-        raise ResultsError(f"'{place}' is of another version: {error}; run it anew") from None
+        raise ResultsError(f"{label} is of another version: {error}; run it anew") from None
     components = {
         name: _found(name, component, known.get(name, {}).get("sha256", ""), folders)
         for name, component in system.components.items()

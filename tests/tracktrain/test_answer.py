@@ -10,11 +10,17 @@ import pytest
 import xarray as xr
 from rich.console import Console
 
-from orchestrator import Level, Verdict, simulate
+from orchestrator import Level, Port, PortMap, Verdict, simulate
+from support.variants import variant
 from tracktrain import answer, hopper_car
 from tracktrain.answer import counted, parts
 from tracktrain.answer.numbers import of_numbers
-from tracktrain.answer.standing import Standing
+from tracktrain.answer.standing import Standing, linear_of
+from tracktrain.car.band import critical_band
+from tracktrain.car.changes import swapped
+from tracktrain.car.linear import LinearCar
+from tracktrain.car.modes import critical_speeds
+from tracktrain.car.spreads import uncertain
 from tracktrain.cli.summary import _responses, numbers
 from tracktrain.scales import FOOT
 
@@ -150,6 +156,53 @@ def test_the_band_of_cones_is_not_said_to_be_that_of_wheelsets_that_are_not_know
     assert level is Level.DOUBTFUL
     assert "the band of cones and not of what ran as wheelset_11, wheelset_12" in said
     assert "hunts at this speed" not in said
+
+
+def ran_with(fmu, **values):
+    """A run of the car with an FMU as two of its wheelsets."""
+    car = hopper_car("loaded", 20.0)
+    for name in ("wheelset_11", "wheelset_22"):
+        car, _ = swapped(car, name, fmu)
+        car = car.with_values({name: values})
+    return simulate(car, duration=0.01).dataset
+
+
+def test_wheelsets_of_another_file_that_give_derivatives_have_the_band_of_their_equations(tmp_path):
+    linear, unknown = linear_of(ran_with(variant(tmp_path, "wheelrail")))
+    assert not unknown
+    spread, speeds = uncertain("loaded"), np.linspace(10.0, 30.0, 6)
+    found, expected = (
+        critical_band(car, critical_speeds(car, speeds)[0], spread)
+        for car in (linear, LinearCar("loaded"))
+    )
+    assert len(found.slopes) == len(spread)
+    assert (found.low, found.high) == pytest.approx((expected.low, expected.high), rel=1e-6)
+
+
+def without_derivatives(description):
+    return description.replace('providesDirectionalDerivative="true"', "")
+
+
+@pytest.mark.parametrize(
+    ("edit", "values"),
+    [(without_derivatives, {}), (str, {"speed_floor": 15.0})],
+    ids=["no derivatives", "forces that do not go with the speed as creepages do"],
+)
+def test_wheelsets_of_which_the_linear_car_is_not_known_are_told(tmp_path, edit, values):
+    dataset = ran_with(variant(tmp_path, "wheelrail", edit), **values)
+    _, unknown = linear_of(dataset)
+    assert unknown == ("the FMU of wheelset_11", "the FMU of wheelset_22")
+    assert "of cones and not of what ran as wheelset_11, wheelset_22" in of_numbers(dataset)[1]
+
+
+def test_wheelsets_behind_a_map_are_not_taken_for_what_they_are_without(tmp_path):
+    fmu, turned = (
+        variant(tmp_path, "wheelrail"),
+        PortMap({"left.force_y": Port("left.force_y", -1)}),
+    )
+    car, _ = swapped(hopper_car("loaded", 20.0), "wheelset_11", fmu, turned)
+    _, unknown = linear_of(simulate(car, duration=0.01).dataset)
+    assert unknown == ("the FMU of wheelset_11",)
 
 
 def test_a_run_whose_speed_changes_is_not_judged_as_one_at_a_speed(monkeypatch):

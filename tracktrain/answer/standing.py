@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import inf, log, pi
@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from fmus.carbody.modal_files import read_modal_data
-from fmus.catalogue import parameter_units
-from orchestrator import Provenance, Responses
+from fmus.catalogue import folder, parameter_units
+from orchestrator import Provenance, Responses, ResultsError, describe, read_request
 
 from ..car.carbody import carbody_of
 from ..car.hopper import layout_of
@@ -78,27 +78,51 @@ def linear_of(dataset: Responses) -> tuple[LinearMotion, tuple[str, ...]] | None
     None where the run does not have the parameters of the blocks, or the carbody's FMU is lost.
     """
     layout, data = layout_of(dataset), carbody_of(dataset)
+    body = kept_fmu(dataset, layout.carbody) if data is not None else None
+    if data is not None and body is None:
+        return None
+    kept = {axle.wheelset: kept_fmu(dataset, axle.wheelset) for axle in layout.axles}
+    wheelsets = {instance: path for instance, path in kept.items() if path}
+    others = swapped(dataset, layout)
+    asked = _as_asked(dataset, [name for name in kept if name in others and not kept[name]])
+    linear = _linear(dataset, layout, body, wheelsets | asked)
+    if asked and linear is not None and not linear.holds:
+        linear, asked = _linear(dataset, layout, body, wheelsets), {}
+    if linear is None:
+        return None
+    known = {*wheelsets, *asked, *([layout.carbody] if body else [])}
+    return linear, tuple(f"the FMU of {name}" for name in others if name not in known)
+
+
+def _as_asked(dataset: Responses, wheelsets: Sequence[str]) -> dict[str, Path]:
+    """The FMUs of wheelsets where the run had them, if they are there still and had no map."""
+    if not wheelsets:
+        return {}
+    try:
+        components = read_request(dataset, [folder()]).system.components
+    except ResultsError:
+        return {}
+    own = {name: components[name] for name in wheelsets if name in components}
+    return {name: c.file for name, c in own.items() if c.file and c.ports is None}
+
+
+def _linear(
+    dataset: Responses, layout: Layout, body: Path | None, wheelsets: Mapping[str, Path]
+) -> LinearFmus | None:
+    """The linear car with the FMU of a carbody, and with those of wheelsets."""
     given = {}
     for instance, block in layout.blocks.items():
-        if block == "track" or (data and block == "carbody"):
+        if block == "track" or (body and block == "carbody"):
             continue
-        known = parameter_units(block)
+        own = wheelsets.get(instance)
+        known = parameter_units(block) if own is None else describe(own).variables
         given[instance] = {
             name: value for name, value in _given(dataset, instance).items() if name in known
         }
-        if not given[instance]:
+        if own is None and not given[instance]:
             return None
-    fmu = kept_fmu(dataset, layout.carbody)
-    if data is not None and fmu is None:
-        return None
-    own = {axle.wheelset: kept_fmu(dataset, axle.wheelset) for axle in layout.axles}
-    wheelsets = {instance: str(path) for instance, path in own.items() if path}
-    linear = _made(layout, json.dumps(given), data and fmu, json.dumps(wheelsets))
-    return linear, tuple(
-        f"the FMU of {instance}"
-        for instance in swapped(dataset, layout)
-        if instance not in wheelsets and not (data and instance == layout.carbody)
-    )
+    fmus = {instance: str(path) for instance, path in wheelsets.items()}
+    return _made(layout, json.dumps(given), body, json.dumps(fmus))
 
 
 @lru_cache(maxsize=4)

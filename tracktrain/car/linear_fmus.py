@@ -12,7 +12,16 @@ import numpy as np
 
 from fmus.carbody.modal_data import ModalData
 from fmus.catalogue import fmu_path
-from orchestrator import Component, LinearModel, System, Value, describe, in_unit, linearised
+from orchestrator import (
+    Component,
+    LinearModel,
+    OrchestratorError,
+    System,
+    Value,
+    describe,
+    in_unit,
+    linearised,
+)
 
 from .friction import LARGE, damping, kinds, to_rates
 from .hopper import layout_of
@@ -22,9 +31,12 @@ from .rolling_line import lines_of
 from .spreads import Uncertain
 from .values import values_of
 
-SPEEDS = (10.0, 40.0)
+SPEEDS, BETWEEN = (10.0, 40.0), 20.0
 """Two speeds [m/s]: a creepage is a motion over the speed, so that A = B + C/V, whatever the creep
-law, and two matrices make all."""
+law, and two matrices make all; and one to see whether that holds."""
+
+ROUNDING = 1e-9
+"""Of a matrix, over its largest element."""
 
 STEP = 1e-4
 """Of differences by a number, over the number: they are wrong by its square."""
@@ -98,6 +110,16 @@ class LinearFmus(LinearMotion):
     @property
     def states(self) -> tuple[str, ...]:  # type: ignore[override]
         return self._parts[0]
+
+    @cached_property
+    def holds(self) -> bool:
+        """Whether its FMUs give derivatives, and their forces go with the speed as creepages do."""
+        try:
+            between, _ = self._linearised(BETWEEN)
+        except OrchestratorError:
+            return False
+        apart = np.abs(self.matrix(BETWEEN) - between).max()
+        return bool(apart <= ROUNDING * np.abs(between).max())
 
     def matrix(self, speed: float) -> Array:
         _, still, moving = self._parts
