@@ -8,9 +8,10 @@ from click.testing import CliRunner
 
 from orchestrator import simulate
 from tracktrain.answer.standing import standing
-from tracktrain.car.hopper import hopper_car, layout_of
+from tracktrain.car.hopper import HOPPER, hopper_car, layout_of
 from tracktrain.car.wheelsets import with_profiles
 from tracktrain.cli.main import main
+from tracktrain.options.chosen import Shape, chosen_car
 from tracktrain.profiles.pairing import contact_table
 from tracktrain.scales import MILE_PER_HOUR
 
@@ -47,3 +48,16 @@ def test_a_car_whose_wheels_change_sides_makes_the_mirrored_run():
         found, mirrored = (run[f"wheelset_11.{name}"].values for run in (one, other))
         assert np.abs(found + mirrored).max() <= 1e-12 * np.abs(found).max() > 0
     assert float(one["wheelset_11.y_rel"][-1]) > 1e-4  # towards the wheel of less radius
+
+
+@pytest.mark.slow
+def test_smaller_wheels_on_the_right_have_the_car_run_to_the_right():
+    """To where the rolling radii are equal: half the difference over the taper of both cones."""
+    radius, less, taper = 0.4191, 0.4e-3, 1 / 20
+    law = tuple((axle.wheelset, "creep_law", "polach") for axle in HOPPER.axles)
+    shape = {"wheel": "conical", "rail": "crown", "track": "perfect", "settings": law}
+    car = chosen_car(Shape(speed=10.0, right_radius=radius - less, **shape))
+    run = simulate(car, duration=40.0, record="*.y_rel", every=10).dataset
+    for axle in HOPPER.axles:
+        middle = float(run[f"{axle.wheelset}.y_rel"][-400:].mean())
+        assert middle == pytest.approx(-less / (2 * taper), rel=2e-3)

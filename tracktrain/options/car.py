@@ -14,6 +14,7 @@ from fmus.names import NAMES
 from ..car.hopper import CARS, TRACK, TRACKS, instances
 from ..errors import TracktrainError, choices
 from .fields import adding
+from .profiles import right_radius_option
 from .types import Assignment, Name, Quantity
 
 Option = Callable[[Any], Any]
@@ -248,7 +249,8 @@ def right_rail_option() -> Option:
 
 def profile_options() -> Option:
     """--wheel, --rail and those of the right side: real contact geometry under the car."""
-    return adding((wheel_option(), rail_option(), right_wheel_option(), right_rail_option()))
+    left, right = (wheel_option(), rail_option()), (right_wheel_option(), right_rail_option())
+    return adding((*left, *right, right_radius_option()))
 
 
 def swap_option(**more: Any) -> Option:

@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 
 Assigned = tuple[str, str, str]
 
-Profiles = tuple[str | None, str | None, str | None, str | None]
-"""Wheel and rail, and those of the right side where they are others."""
+Profiles = tuple[str | None, str | None, str | None, str | None, float | None]
+"""Wheel and rail; and of the right side those, and the radius [m], that are others."""
 
 STEP = 1e-3
 """Of a run of the hopper car [s]."""
@@ -47,7 +47,7 @@ STEP = 1e-3
 CONES, STRAIGHT = "cones", "straight"
 """Instead of a pair of profiles and of a line: what the car is on without them."""
 
-PROFILES = ("wheel", "rail", "right_wheel", "right_rail")
+PROFILES = ("wheel", "rail", "right_wheel", "right_rail", "right_radius")
 """Options of the profiles, as `check_pair` takes them."""
 
 CAR_ONLY = (
@@ -137,6 +137,7 @@ class Shape:
     rail: str | None = None
     right_wheel: str | None = None
     right_rail: str | None = None
+    right_radius: float | None = None
     swaps: Sequence[Assigned] = ()
     maps: Sequence[Assigned] = ()
     drives: Sequence[Assigned] = ()
@@ -153,8 +154,8 @@ class Shape:
 
     @property
     def profiles(self) -> Profiles:
-        """Wheel and rail, and those of the right side where they are others."""
-        return self.wheel, self.rail, self.right_wheel, self.right_rail
+        """As `check_pair` takes them."""
+        return self.wheel, self.rail, self.right_wheel, self.right_rail, self.right_radius
 
 
 def chosen_car(shape: Shape) -> System:
@@ -241,7 +242,7 @@ def _on_profiles(system: System, shape: Shape) -> tuple[System, list[str]]:
     check_pair(*shape.profiles)
     if shape.wheel is None or shape.rail is None:
         return with_profiles(system, Path(str(shape.wheel)))
-    files = [path for path in map(Path, filter(None, shape.profiles)) if path.is_file()]
+    files = [path for path in map(Path, filter(None, shape.profiles[:-1])) if path.is_file()]
     held = tuple(path.read_bytes() for path in files)
     return with_profiles(system, _table(shape.profiles, nominal_radius(system), held))
 
@@ -251,9 +252,11 @@ def _table(profiles: Profiles, radius: float, held: tuple[bytes, ...]) -> Contac
     """The contact table, once for all runs of a process. held: what the files have in them."""
     from ..profiles.pairing import Pairing, contact_table
 
-    wheel, rail, *right = profiles
+    wheel, rail, other_wheel, other_rail, other_radius = profiles
     assert wheel and rail
-    return contact_table(wheel, rail, Pairing(rolling_radius=radius), right=(right[0], right[1]))
+    right = other_wheel, other_rail
+    pairing = Pairing(rolling_radius=radius)
+    return contact_table(wheel, rail, pairing, right=right, right_radius=other_radius)
 
 
 def check_pair(
@@ -261,13 +264,15 @@ def check_pair(
     rail: str | None,
     right_wheel: str | None = None,
     right_rail: str | None = None,
+    right_radius: float | None = None,
 ) -> None:
     """Raise TracktrainError for half a pair of profiles, for a rail beside an FMU of both, and for
     a right side without a left one."""
     if wheel == CONES:
         return
     right = {"--right-wheel": right_wheel, "--right-rail": right_rail}
-    others = [name for name, value in right.items() if value is not None]
+    said = {**right, "--right-radius": right_radius}
+    others = [name for name, value in said.items() if value is not None]
     if wheel is not None and Path(wheel).suffix.lower() == ".fmu":
         if rail is not None or others:
             idle = " and ".join([*(["--rail"] if rail is not None else []), *others])
@@ -284,7 +289,7 @@ def check_pair(
     given = {"--wheel": wheel, "--rail": rail}
     lacking = [name for name, value in given.items() if value is None]
     if lacking and (len(lacking) < len(given) or others):
-        alone = [name for name, value in (given | right).items() if value is not None]
+        alone = [name for name, value in (given | said).items() if value is not None]
         raise TracktrainError(
             f"{' and '.join(alone)} alone makes no contact; give {' and '.join(lacking)}, too: a "
             "file, or the name of a profile"

@@ -54,15 +54,23 @@ def _length(name: str, default: str, text: str) -> Callable[[Any], Any]:
     )
 
 
+RADIUS = Quantity("rolling radius", "m", LENGTH, "459 mm")
+
+
+def right_radius_option() -> Callable[[Any], Any]:
+    """--right-radius, of the wheels on the right [m]."""
+    return click.option(
+        "--right-radius",
+        type=RADIUS,
+        metavar="LENGTH",
+        help="Rolling radius of the right wheels, if not as that of the left ones.",
+    )
+
+
 SIDES = (
     click.option("--right-wheel", metavar="WHEEL", help="If not as the left one."),
     click.option("--right-rail", metavar="RAIL", help="If not as the left one."),
-    click.option(
-        "--right-radius",
-        type=Quantity("rolling radius", "m", LENGTH, "459 mm"),
-        metavar="LENGTH",
-        help="Of the right wheel, if not as that of the left one.",
-    ),
+    right_radius_option(),
 )
 
 PAIRING = (

@@ -53,7 +53,9 @@ class Quantity(click.ParamType):
                 self.fail(problem, param, ctx)
             return value
         except orchestrator.DimensionError:
-            kind = given.dimension.strip("[]") or "plain number"
+            dimension = given.dimension
+            kind = dimension.strip("[]") if dimension.count("[") < 2 else dimension
+            kind = kind or "plain number"
             problem = f"'{given}' is a {kind}, not a {self.name}; {self._advice()}"
         except orchestrator.UnitError:
             problem = f"'{given.unit}' is not a known unit; {choices(given.unit, self.units)}"

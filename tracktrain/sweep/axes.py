@@ -17,6 +17,7 @@ from ..errors import TracktrainError, choices
 from ..options.car import DURATION_UNITS, SPEED_KIND, STEP_KIND, is_track_file
 from ..options.chosen import CONES, STRAIGHT
 from ..options.master import MASTERS
+from ..options.profiles import RADIUS
 from ..options.types import Quantity
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ KINDS = {
     "speed": SPEED_KIND,
     "duration": Quantity("duration", "s", DURATION_UNITS, "8s"),
     "step": STEP_KIND,
+    "right_radius": RADIUS,
 }
 QUANTITIES = {name: kind.unit for name, kind in KINDS.items()}
 """Options with a unit, and the one that a run takes them in."""

@@ -46,8 +46,8 @@ def sweep(
     """Run the car at every point of a grid; rms, peak and dominant frequency of its outputs.
 
     over: by "speed", "seed", "car", "track", "layout", "wheel", "rail", "right_wheel",
-    "right_rail", "duration", "step", "master" or "instance.parameter" the values, as
-    "60:100:20 ft/s", "loaded,empty", names of files or a sequence [SI].
+    "right_rail", "right_radius", "duration", "step", "master" or "instance.parameter" the values,
+    as "60:100:20 ft/s", "loaded,empty", names of files or a sequence [SI].
     out: folder for rows.jsonl, which has each run as soon as it is done, and in the end sweep.csv
     and sweep.nc; a sweep that was stopped goes on from there. outputs: names or patterns; those
     that a run prints when None.

@@ -131,6 +131,8 @@ def test_half_a_pair_of_profiles_is_refused_before_any_run(asked):
         TracktrainError, match=r"--right-wheel alone .* give --wheel and --rail, too"
     ):
         sweep({"right_wheel": "conical,worn"}, workers=1)
+    with pytest.raises(TracktrainError, match=r"--right-radius alone .* give --wheel and --rail"):
+        sweep({"right_radius": "418,419 mm"}, workers=1)
     with pytest.raises(TracktrainError, match=r"has its rail already.*leave out --right-rail"):
         sweep({"right_rail": "crown,60e1"}, wheel="worn.fmu", workers=1)
     assert not asked
@@ -141,6 +143,15 @@ def test_right_profiles_are_axes_beside_the_left_ones(asked):
     assert [(o["wheel"], o["right_wheel"]) for o in asked] == [
         ("worn", w) for w in ("conical", "worn")
     ]
+
+
+def test_the_radius_of_the_right_wheels_is_an_axis(asked):
+    over = {"right_radius": "418:419:0.5 mm", "wheel": "worn,cones"}
+    table = sweep(over, rail="crown", workers=1)
+    assert table["right_radius"].values == pytest.approx([418.0, 418.5, 419.0])
+    assert [o["right_radius"] for o in asked[::2]] == pytest.approx([0.418, 0.4185, 0.419])
+    with pytest.raises(SweepError, match=r"is a \[length\] / \[time\], not a rolling radius"):
+        sweep({"right_radius": "40 mph"}, wheel="worn", rail="crown", workers=1)
 
 
 def test_a_sweep_does_not_go_on_with_a_file_that_was_changed(tmp_path, asked):

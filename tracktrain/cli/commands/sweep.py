@@ -36,8 +36,9 @@ Examples:
     required=True,
     metavar="NAME=VALUES",
     help="What to sweep over: speed, seed, car, track, layout, wheel, rail, right_wheel, "
-    "right_rail, duration, step, master or an instance.parameter; as start:stop:step with a unit, "
-    "or a list with commas, of files, too. Repeatable: all combinations are run.",
+    "right_rail, right_radius, duration, step, master or an instance.parameter; as "
+    "start:stop:step with a unit, or a list with commas, of files, too. Repeatable: all "
+    "combinations are run.",
 )
 @system_options
 @master_options

@@ -37,6 +37,7 @@ class StudiedCar:
     rail: str | None = None
     right_wheel: str | None = None
     right_rail: str | None = None
+    right_radius: float | None = None
     layout: str | Path | None = None
     settings: Sequence[Assigned] = ()
 
@@ -82,6 +83,8 @@ class StudiedCar:
         profiles = self.wheel, self.rail, self.right_wheel, self.right_rail
         given = " and ".join(Path(name).stem for name in profiles if name is not None)
         on = f" on {given}" if given else ""
+        if self.right_radius is not None:
+            on += f", right wheels of {1e3 * self.right_radius:.6g} mm"
         line = f" along {Path(self.layout).name}" if self.layout is not None else ""
         return f"{self.car} car{on}{line}"
 
