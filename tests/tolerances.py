@@ -28,6 +28,9 @@ for `report_grid`, whose waves go down to 0.5 m."""
 PARITY = 1e-12
 """FMU against Python twin: the same operations in the same order; compilers may not fuse them."""
 
+ENGINEERING = 0.02
+"""Relative rms error that a run is to be believed with: twice what --verify calls small."""
+
 PREDICTED_GROWTH_ERROR = 0.01
 """Relative difference of the growth that held coupling hides, co-simulated and predicted by a
 linear recurrence: the fit leaves some 0.1 %, the second mode the rest."""

@@ -190,6 +190,20 @@ def test_the_motions_error_has_the_masters_order(feet_per_second, master, order)
     assert order - 0.2 < np.log2(errors[0] / errors[1]) < order + 0.2
 
 
+@pytest.mark.parametrize(("step", "doubtful"), [(1e-3, True), (0.25e-3, False)])
+def test_the_verdict_doubts_the_empty_cars_vertical_motion_where_it_is_wrong(step, doubtful):
+    """The body's fast motion on stuck springs is wrong long before the slow one is."""
+    output, given = "carbody.front.az", (("track.seed", 3),)
+    run, exact = (
+        co_simulate(44.0, h, duration=6.0, car="empty", track="fra5", values=given)
+        for h in (step, 0.1e-3)
+    )
+    every = round(1e-3 / step), 10
+    one, other = (r.dataset[output].values[::n] for r, n in zip((run, exact), every, strict=True))
+    assert (relative_rms(one, other) > tolerances.ENGINEERING) == doubtful
+    assert (run.verdict.level.value == "doubtful") == doubtful
+
+
 def test_iterated_car_follows_the_reference_with_second_order():
     coarse, fine = (trajectory_error(60, step, "iterated") for step in (1e-3, 5e-4))
     assert coarse < tolerances.ITERATED_MOTION

@@ -21,10 +21,18 @@ def test_a_sound_run_is_good():
 
 
 @pytest.mark.parametrize(
-    ("residual", "level"), [(1e-4, "good"), (1e-2, "doubtful"), (0.5, "bad"), (float("nan"), "bad")]
+    ("residual", "level"), [(2e-4, "good"), (5e-4, "doubtful"), (0.5, "bad"), (float("nan"), "bad")]
 )
 def test_residual_decides_the_level(residual, level):
     assert judge(None, [BondResidual("b", 1.0, residual)], Evidence()).level.value == level
+
+
+def test_an_error_that_was_measured_tells_more_than_a_residual():
+    found = Refinement(1e-3, (Error("b.y", 1e-3, 2e-3, 2.0),))
+    bonds = [BondResidual("b", 1.0, 5e-4)]
+    assert judge(None, bonds, Evidence(refinement=found)).level.value == "good"
+    bonds = [BondResidual("b", 1.0, 0.5)]
+    assert judge(None, bonds, Evidence(refinement=found)).level.value == "bad"
 
 
 def test_a_bond_that_carries_rounding_does_not_count():
