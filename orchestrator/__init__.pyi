@@ -9,6 +9,7 @@ from .errors import (
     ResultsError,
     UnitError,
     choices,
+    listed,
     plain,
 )
 from .fmu.archive import Archive, open_archive
@@ -156,6 +157,7 @@ __all__ = [
     "is_pattern",
     "linearise",
     "linearised",
+    "listed",
     "make_plan",
     "master_named",
     "monolith",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 WORD, TEXT = 400, 4000
 """Characters of a word, and of a text, above which only their ends are shown."""
@@ -113,14 +113,22 @@ class RecordSizeError(ResultsError, MemoryError):
     """The results do not fit into memory."""
 
 
-def choices(asked: object, available: Iterable[str], limit: int = 12) -> str:
-    """`available` as a phrase, names close to `asked` first, at most `limit` of them."""
+def choices(asked: object, available: Iterable[str], limit: int = 16) -> str:
+    """`available` as a phrase, at most `limit` of them, after those that `asked` may have meant.
+
+    These are up to three names that begin with it, or else are spelled much like it.
+    """
     asked, names = str(asked), list(available)
     if not names:
         return "there are none"
     considered = [name for name in names[:CONSIDERED] if len(name) <= WORD]
-    close = difflib.get_close_matches(asked[:WORD], considered, n=3, cutoff=0.6)
+    close = [name for name in considered if asked and name.startswith(asked)][:3]
+    close = close or difflib.get_close_matches(asked[:WORD], considered, n=3, cutoff=0.6)
     guess = f"did you mean {' or '.join(close)}? " if close else ""
-    shown = ", ".join(names[:limit])
-    more = f" and {len(names) - limit} more" if len(names) > limit else ""
-    return f"{guess}choose one of: {shown}{more}"
+    return f"{guess}choose one of: {listed(names, limit)}"
+
+
+def listed(names: Sequence[str], most: int = 8) -> str:
+    """The first names as a phrase, and how many more there are."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return f"{', '.join(names[:most])}{more}"

@@ -26,9 +26,3 @@ class Summarised:
             for k, v in rest
         )
         return f"<b>{escape(what)}</b> {escape(first)}<table>{rows}</table>"
-
-
-def listed(names: list[str], most: int = 8) -> str:
-    """Some names in a phrase."""
-    more = f" and {len(names) - most} more" if len(names) > most else ""
-    return f"{', '.join(names[:most])}{more}"

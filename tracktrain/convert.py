@@ -12,7 +12,9 @@ import pandas as pd
 import xarray as xr
 from scipy.io import savemat
 
-from .errors import TracktrainError, choices
+from orchestrator import choices
+
+from .errors import TracktrainError
 from .quantities import signals_meant
 from .results import opened
 

@@ -55,7 +55,8 @@ def idle(
             remarks.append(f"{given} is what it is without --set")
         elif not differ & answer:
             span = _span(result, float(other.time[-1]))
-            besides = f" but {_listed(sorted(differ))}, which drive nothing" if differ else ""
+            moved = orchestrator.listed(sorted(differ), 3)
+            besides = f" but {moved}, which drive nothing" if differ else ""
             remarks.append(
                 f"{given} changed no bit of {span}{besides}: here it has no say (another creep "
                 "law, a stop that is not reached, a friction that holds)"
@@ -97,8 +98,3 @@ def _differing(result: Run, other: Run) -> set[str]:
         if name in ours
         and not np.array_equal(ours[name].values[:rows], theirs[name].values[:rows], equal_nan=True)
     }
-
-
-def _listed(names: Sequence[str], most: int = 3) -> str:
-    more = f" and {len(names) - most} more" if len(names) > most else ""
-    return f"{', '.join(names[:most])}{more}"

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf
 
-from ..errors import ValueRefusedError, choices
-from ..summary import Rows, Summarised, listed
+from ..errors import ValueRefusedError, choices, listed
+from ..summary import Rows, Summarised
 from .types import TYPES
 from .units import Definitions, Unit
 

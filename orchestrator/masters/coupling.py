@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from itertools import pairwise
 
-from ..errors import UnitError
+from ..errors import UnitError, listed
 from ..fmu.description import Description, Tangent, Variable
 from ..fmu.units import conversion, scale_of
 from ..plan.graph import strong_parts
@@ -291,7 +291,5 @@ def way_notes(plan: Plan, coupling: Coupling) -> list[str]:
     return notes
 
 
-def _names(plan: Plan, links: Sequence[Link], limit: int = 40) -> str:
-    names = [plan.name(k.target, k.input) for k in links]
-    more = f" and {len(names) - limit} more" if len(names) > limit else ""
-    return ", ".join(names[:limit]) + more
+def _names(plan: Plan, links: Sequence[Link]) -> str:
+    return listed([plan.name(k.target, k.input) for k in links], 40)

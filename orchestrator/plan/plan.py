@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ..errors import CouplingError
+from ..errors import CouplingError, listed
 from ..fmu.description import CO_SIMULATION, Description, Variable
 from ..fmu.given import several
 from ..fmu.read import describe
@@ -265,7 +265,7 @@ def _note_loops(
         inside = [
             f"{names[b.instance]}.{o}" for b in batches[loop.first : loop.last] for o in b.outputs
         ]
-        shown = ", ".join(inside[:12]) + (f" and {len(inside) - 12} more" if inside[12:] else "")
+        shown = listed(inside, 12)
         notes.append(Detail(f"algebraic loop, solved at every communication point: {shown}"))
 
 

@@ -9,12 +9,12 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import CouplingError, FmuError, choices
+from ..errors import CouplingError, FmuError, choices, listed
 from ..fmu.description import CO_SIMULATION, MODEL_EXCHANGE
 from ..fmu.given import in_unit
 from ..fmu.port_map import PortMap
 from ..fmu.read import describe
-from ..summary import Rows, Summarised, listed
+from ..summary import Rows, Summarised
 from .profile import Profile
 from .source import Source
 from .transformation import IDENTITY, Transformation

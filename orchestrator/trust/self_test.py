@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import OrchestratorError, UnitError
+from ..errors import OrchestratorError, UnitError, listed
 from ..fmu.description import Variable
 from ..fmu.read import open_fmu
 from ..fmu.units import scale_of
@@ -123,7 +123,7 @@ def _units(probe: Probe, _: Open, __: float) -> Iterator[Said]:
         except UnitError as error:
             yield f"{v.name}: {error}; connections of it cannot be checked", False
     if bare:
-        yield f"without a unit, so that connections cannot be checked: {_some(bare)}", False
+        yield f"without a unit, so that connections cannot be checked: {listed(bare)}", False
 
 
 def _determinism(probe: Probe, opened: Open, size: float) -> Iterator[Said]:
@@ -223,7 +223,7 @@ def _dependencies(probe: Probe, _: Open, size: float) -> Iterator[Said]:
         if (output.name, name) not in seen
     ]
     if unseen:
-        yield f"said to depend at once, but not seen to here: {_some(unseen)}", False
+        yield f"said to depend at once, but not seen to here: {listed(unseen)}", False
 
 
 def _derivatives(probe: Probe, _: Open, size: float) -> Iterator[Said]:
@@ -359,11 +359,6 @@ def _first_difference(probe: Probe, a: Array, b: Array) -> tuple[str, int, float
 
 def _steps(count: int) -> str:
     return "one step" if count == 1 else f"{count} steps"
-
-
-def _some(names: list[str], limit: int = 6) -> str:
-    more = f" and {len(names) - limit} more" if len(names) > limit else ""
-    return f"{', '.join(names[:limit])}{more}"
 
 
 def _recommended(component: Component) -> float | None:

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from orchestrator import Quantity, UnitError, Variable, conversion, describe, in_unit
+from orchestrator import Quantity, UnitError, Variable, choices, conversion, describe, in_unit
 
 from ..car.hopper import layout_of
-from ..errors import TracktrainError, choices
+from ..errors import TracktrainError
 
 if TYPE_CHECKING:
     from orchestrator import System

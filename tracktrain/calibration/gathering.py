@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from orchestrator import Experiment, System, describe, in_unit
+from orchestrator import Experiment, System, choices, describe, in_unit
 
 from ..car.hopper import layout_of, parameters_of
 from ..car.linear import LinearCar
@@ -18,7 +18,7 @@ from ..correlation.channels import Sensor, matched, sensor, values_of
 from ..correlation.conditioning import condition
 from ..correlation.files import Channel, read_channels
 from ..correlation.history import Band
-from ..errors import TracktrainError, choices
+from ..errors import TracktrainError
 from ..options.chosen import DURATION, Shape, chosen_car
 from .chosen import Chosen, chosen_parameters
 from .evidence import Evidence

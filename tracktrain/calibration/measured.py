@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from orchestrator import OrchestratorError, Quantity, UnitError, conversion
+from orchestrator import OrchestratorError, Quantity, UnitError, choices, conversion
 
 from ..correlation.channels import Sensor, sensor
 from ..correlation.files import TABLES, delimiter_of, factor, numbered_lines
-from ..errors import TracktrainError, choices
+from ..errors import TracktrainError
 from .evidence import Array
 from .modal import KINDS, Mode
 

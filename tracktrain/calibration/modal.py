@@ -10,10 +10,12 @@ from math import pi
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from orchestrator import choices
+
 from ..car.linear import LinearCar, linear_car
 from ..car.linear_motion import Complex
 from ..car.modes import name_of
-from ..errors import TracktrainError, choices
+from ..errors import TracktrainError
 from .chosen import Chosen
 from .evidence import Array, Group
 

@@ -14,12 +14,13 @@ from orchestrator import (
     Profile,
     System,
     Value,
+    choices,
     describe,
     read_profile,
 )
 
 from ..columns import file_and_column
-from ..errors import HopperError, choices
+from ..errors import HopperError
 from .hopper import layout_of
 
 COORDINATE = "initial."

@@ -9,8 +9,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from fmus.truck.ports import ELEMENTS
+from orchestrator import choices
 
-from ..errors import HopperError, choices
+from ..errors import HopperError
 from ..scales import FOOT
 from .linear_motion import Array, LinearMotion
 

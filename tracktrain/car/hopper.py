@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fmus.catalogue import fmu_path, parameters
-from orchestrator import Component, System, Value, in_unit
+from orchestrator import Component, System, Value, choices, in_unit
 
-from ..errors import HopperError, choices
+from ..errors import HopperError
 from .layout import Layout, Truck
 
 if TYPE_CHECKING:

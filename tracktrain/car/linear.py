@@ -24,8 +24,9 @@ from fmus.carbody.modal import ModalCarbody
 from fmus.carbody.modal_data import ModalData
 from fmus.catalogue import source_hash
 from fmus.describe.block import Block
+from orchestrator import choices
 
-from ..errors import HopperError, choices
+from ..errors import HopperError
 from .friction import LARGE, damping, kinds, to_rates, tuned
 from .hopper import parameters_of, vehicle
 from .layout import Layout

@@ -13,8 +13,9 @@ from fnmatch import fnmatchcase
 from fmus.catalogue import parameter_units
 from fmus.describe.parameters import parameter_set
 from fmus.describe.spread import Spread
+from orchestrator import choices
 
-from ..errors import HopperError, choices
+from ..errors import HopperError
 from .hopper import parameters_of, vehicle
 
 BLOCKS = ("carbody", "truck", "wheelrail")

@@ -10,9 +10,10 @@ import click
 
 from fmus.catalogue import fmu_path
 from fmus.names import NAMES
+from orchestrator import choices
 
 from ..car.hopper import CARS, TRACK, TRACKS, instances
-from ..errors import TracktrainError, choices
+from ..errors import TracktrainError
 from .fields import adding
 from .profiles import right_radius_option
 from .types import Assignment, Name, Quantity

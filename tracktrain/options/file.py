@@ -22,9 +22,10 @@ import click
 from click.core import ParameterSource
 
 from fmus.names import NAMES
+from orchestrator import choices
 
 from ..columns import file_and_column
-from ..errors import TracktrainError, choices
+from ..errors import TracktrainError
 from .types import Assignment, Name, Quantity
 
 SUFFIX = ".toml"

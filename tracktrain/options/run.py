@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from ..errors import TracktrainError, choices
+from orchestrator import choices
+
+from ..errors import TracktrainError
 from .fields import SETTINGS, Option, adding, field_option
 from .types import Name, Quantity
 

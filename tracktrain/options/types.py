@@ -9,8 +9,7 @@ from pathlib import Path
 import click
 
 import orchestrator
-
-from ..errors import choices
+from orchestrator import choices
 
 
 class Quantity(click.ParamType):

@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 
 from fmus.profiles.geometry import SIDES, contact_geometry
 from fmus.profiles.trace import PlacedRail
+from orchestrator import choices
 
-from ..errors import TracktrainError, choices
+from ..errors import TracktrainError
 from ..plots import BLUE, GREEN, INK, MUTED, PURPLE, RED, STYLE
 from .examined import AMPLITUDES, Examined
 

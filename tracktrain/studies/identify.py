@@ -14,8 +14,9 @@ from matplotlib.figure import Figure
 
 from fmus.truck.identify import Identification
 from fmus.truck.identify import identify as fit
+from orchestrator import choices
 
-from ..errors import TracktrainError, choices
+from ..errors import TracktrainError
 from ..plots import INK, MUTED, RED, STYLE
 from .common.command import study_command
 from .common.given import taking

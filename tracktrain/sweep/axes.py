@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from orchestrator import choices
+
 from ..car.changes import assigned
 from ..car.hopper import CARS, TRACKS, hopper_car, instances
-from ..errors import TracktrainError, choices
+from ..errors import TracktrainError
 from ..options.car import DURATION_UNITS, SPEED_KIND, STEP_KIND, is_track_file
 from ..options.chosen import CONES, STRAIGHT
 from ..options.master import MASTERS

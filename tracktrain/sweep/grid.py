@@ -11,10 +11,9 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from orchestrator import in_unit, owned
+from orchestrator import choices, in_unit, owned
 
 from ..car.hopper import CARS, hopper_car
-from ..errors import choices
 from ..options.car import fmu_of
 from ..options.chosen import PROFILES, Shape, check_pair
 from ..options.master import USUAL as COUPLED

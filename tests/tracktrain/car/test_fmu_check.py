@@ -344,8 +344,8 @@ def test_single_instance_and_a_needed_tool_are_noted(tmp_path: Path) -> None:
     [
         (
             ("a.fmu", "--as", "trcuk"),
-            "there is no block 'trcuk'; did you mean truck? choose one of: carbody, truck, "
-            "wheelrail, track",
+            "there is no block 'trcuk'; did you mean truck or track? choose one of: "
+            "carbody, truck, wheelrail, track",
         ),
         (("a.fmu",), "--as is missing; choose one of: carbody, truck, wheelrail, track"),
         (

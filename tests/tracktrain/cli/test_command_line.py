@@ -28,7 +28,7 @@ def refused(*arguments: str) -> str:
         (("--car", "lodaed"), "there is no car 'lodaed'; did you mean loaded? choose one of: "),
         (
             ("--track", "fra7"),
-            "there is no track 'fra7'; did you mean fra6? choose one of: report,",
+            "there is no track 'fra7'; did you mean fra6 or fra5 or fra4? choose one of: report,",
         ),
         (
             ("--master", "gauss"),

@@ -77,7 +77,7 @@ def test_what_is_saved_from_another_folder_means_the_same(fast, tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('sped = "1 ft/s"', r"has 'sped'; did you mean speed\?"),
+        ('sped = "1 ft/s"', r"has 'sped'; did you mean speed or "),
         ('speed = "80"', "speed: '80' has no unit"),
         ("seed = [1, 2]", "seed is one value, and not several"),
         ('set = "a.b=1"', r"set is a table: \[set\]"),

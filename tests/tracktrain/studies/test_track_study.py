@@ -64,4 +64,6 @@ def test_command_prints_the_table_and_writes_data_tables_and_pictures(tmp_path):
 def test_unknown_study_is_answered_with_the_closest():
     result = CliRunner().invoke(main, ["study", "trak"])
     assert result.exit_code == 2
-    assert "there is no study 'trak'; did you mean track? choose one of: " in result.output
+    assert (
+        "there is no study 'trak'; did you mean track or tracks? choose one of: " in result.output
+    )

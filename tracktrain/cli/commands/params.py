@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 
 import click
 
+from orchestrator import choices
+
 from ...car.hopper import CARS
-from ...errors import TracktrainError, choices
+from ...errors import TracktrainError
 from ...options.types import Name
 
 if TYPE_CHECKING:

@@ -6,7 +6,8 @@ from typing import Any
 
 import click
 
-from ...errors import choices
+from orchestrator import choices
+
 from ...studies import STUDIES
 from ..group import LazyGroup, Listed
 

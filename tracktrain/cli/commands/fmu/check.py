@@ -84,7 +84,7 @@ def _comparison(found: StandIn) -> Table:
         ("parameters", found.given, found.lacking),
     ):
         if there or absent:
-            without = f"; without {_shortened(absent)}" if absent else ""
+            without = f"; without {orchestrator.listed(absent)}" if absent else ""
             grid.add_row(label, f"{len(there)} of {len(there) + len(absent)}{without}")
     grid.add_row("platforms", here(found.platforms, found.runs_here))
     add("coupling", found.losses)
@@ -93,8 +93,3 @@ def _comparison(found: StandIn) -> Table:
     add("effect", found.effects or [])
     add("note", found.remarks)
     return grid
-
-
-def _shortened(names: list[str], limit: int = 8) -> str:
-    more = f" and {len(names) - limit} more" if len(names) > limit else ""
-    return ", ".join(names[:limit]) + more

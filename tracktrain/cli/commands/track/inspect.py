@@ -6,7 +6,9 @@ from pathlib import Path
 
 import click
 
-from ....errors import TracktrainError, choices
+from orchestrator import choices
+
+from ....errors import TracktrainError
 from ....options.car import is_track_file, say_option, seed_option
 from ....options.types import Quantity
 from ....terminal import writable
