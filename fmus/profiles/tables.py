@@ -40,7 +40,8 @@ the 0.1 mm by which wheel and rail approach each other under a wheel load."""
 
 
 YAW_NODES = 3
-"""Of a table over yaw, with that of none: contacts are even in yaw, and smooth."""
+"""Of a table over yaw, with that of none, as far from each other in the yaw's square: contacts are
+even in yaw, and smooth, so that they go with it."""
 
 Begins = tuple[float, Jump | None] | None
 """What `flange_begins` finds."""
@@ -83,7 +84,7 @@ def _of_left(
 ) -> ContactTable:
     """The table of the left wheel; begins, opposite: what `flange_begins` has of both."""
     straight = _Solved.found(wheelset, track, begins, *_spaced(begins, opposite, climb))
-    angles = np.linspace(0.0, yaw, YAW_NODES)[1:] if yaw else ()
+    angles = yaw * np.sqrt(np.linspace(0.0, 1.0, YAW_NODES)[1:]) if yaw else ()
     nodes = [straight, *(straight.yawed(float(angle)) for angle in angles)]
     jumping = next((node for node in nodes if node.rounded), None)
     said = [*wheelset.left.said, *track.left.said]
