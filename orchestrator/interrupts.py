@@ -7,6 +7,9 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+HEARD = ("SIGINT", "SIGTERM", "SIGHUP")
+"""Signals that end a program politely, of those that a platform has."""
+
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
@@ -15,7 +18,7 @@ def uninterrupted() -> Iterator[None]:
         yield
         return
     heard: list[int] = []
-    handlers = {n: signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM)}
+    handlers = {n: signal.getsignal(n) for n in signal.Signals if n.name in HEARD}
     handlers = {n: handler for n, handler in handlers.items() if callable(handler)}
     for number in handlers:
         signal.signal(number, lambda number, frame: heard.append(number))

@@ -35,6 +35,9 @@ NEEDS = {
 }
 """What an extra is for."""
 
+TERMINATION = ("SIGTERM", "SIGHUP")
+"""Signals that ask a program to end."""
+
 
 class BadInput(click.ClickException):
     """What was asked for cannot be run."""
@@ -50,15 +53,19 @@ class Stopped(click.ClickException):
 
 @contextmanager
 def termination_as_interrupt() -> Iterator[None]:
-    """Have the request to terminate (kill, shutdown) end a run as Ctrl-C does."""
+    """Have the request to terminate (kill, shutdown, lost terminal) end a run as Ctrl-C does."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    previous = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    requests = {n: signal.getsignal(n) for n in signal.Signals if n.name in TERMINATION}
+    heard = {n: handler for n, handler in requests.items() if handler is not signal.SIG_IGN}
+    for number in heard:  # under nohup a lost terminal is none of its business
+        signal.signal(number, signal.default_int_handler)
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, previous)
+        for number, handler in heard.items():
+            signal.signal(number, handler)
 
 
 @contextmanager
@@ -74,6 +81,12 @@ def clear_errors() -> Iterator[None]:
         ) from None
     except OSError as error:
         raise Stopped(plain(_told(error))) from None
+    except UnicodeEncodeError as error:
+        about = ascii(error.object[max(error.start - 40, 0) : error.end + 40])
+        raise BadInput(
+            f"{about} cannot be written as {error.encoding}; give the file or the folder that is "
+            "called so a name of letters"
+        ) from None
     except Exception as error:
         if isinstance(error, ModuleNotFoundError) and error.name in EXTRAS:
             extra = EXTRAS[error.name]

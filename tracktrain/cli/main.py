@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import shlex
+import sys
 from typing import Any
 
 import click
@@ -20,6 +22,8 @@ class Tracktrain(LazyGroup):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         ctx.meta["command"] = shlex.join(["tracktrain", *args])
+        if isinstance(sys.stdout, io.TextIOWrapper):  # a code page without m² costs no results
+            sys.stdout.reconfigure(errors="replace")
         return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:

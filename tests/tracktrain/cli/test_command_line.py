@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import click
 import pytest
 from click.testing import CliRunner, Result
 
 from tracktrain.cli.main import main
+from tracktrain.failures import BadInput, clear_errors
 
 
 def refused(*arguments: str) -> str:
@@ -128,3 +131,22 @@ def test_a_yaw_without_its_unit_is_asked_for():
     result = CliRunner().invoke(main, ["profile", "show", "worn", "crown", "--yaw", "5"])
     assert result.exit_code == 2
     assert "give a yaw such as" in " ".join(result.output.split())
+
+
+def test_an_output_without_the_letters_of_a_unit_costs_no_results(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "tracktrain", "run", "--duration", "20ms"]
+    done = subprocess.run(
+        [*command, "--out", str(tmp_path)],
+        env={**os.environ, "PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "m/s? (g)" in done.stdout
+    assert (tmp_path / "carbody.png").exists()
+
+
+def test_a_name_that_no_file_of_ours_can_hold_is_said() -> None:
+    said = r"'of bad\\udcff name' cannot be written as utf-8; give the file"
+    with pytest.raises(BadInput, match=said), clear_errors():
+        "of bad\udcff name".encode()

@@ -117,16 +117,23 @@ def test_log_is_written_where_it_is_asked_for(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="kills as POSIX does")
-def test_request_to_terminate_ends_the_run_as_ctrl_c_does(tmp_path: Path) -> None:
+@pytest.mark.parametrize("asked", ["SIGTERM", "SIGHUP"])
+def test_request_to_terminate_ends_the_run_as_ctrl_c_does(asked: str, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "tracktrain", "run", "--out", str(tmp_path)]
     options = ("--duration", "20 min", "--every", "50", "--memory", "1MB")
     pipe = subprocess.PIPE
-    victim = subprocess.Popen([*command, *options], stderr=pipe, stdout=pipe, text=True)
+    victim = subprocess.Popen(
+        [*command, *options],
+        stderr=pipe,
+        stdout=pipe,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL),  # also under nohup
+    )
     path = tmp_path / "results.nc"
     while not path.exists() or path.read_bytes()[4:8] == bytes(4):  # no rows yet
         assert victim.poll() is None
         time.sleep(0.05)
-    victim.terminate()
+    victim.send_signal(signal.Signals[asked])
     _, said = victim.communicate()
     assert victim.returncode == 1
     assert "interrupted at t = " in said and str(tmp_path) in "".join(said.split())
