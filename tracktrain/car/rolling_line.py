@@ -11,21 +11,13 @@ from fmus.errors import ParameterError
 from fmus.profiles.conicity import RadiusDifference
 from fmus.wheelrail.contact_table import IN_FMU, ContactTable, of_text
 
-from .in_fmu import text_in
+from .in_fmu import text_in, text_of
 
 
 def of_fmu(path: Path) -> ContactTable:
     """The contact table in an FMU; raises fmus.ParameterError."""
-    try:
-        text = text_in(path, IN_FMU)
-    except OSError as error:
-        raise ParameterError(f"'{path}' cannot be read: {error.strerror}") from None
-    if text is None:
-        raise ParameterError(
-            f"'{path}' is no FMU of a wheelset on profiles ({IN_FMU}); 'tracktrain profile build' "
-            "makes such; --swap wheelset_11=FMU takes any other"
-        )
-    return of_text(text)
+    asked = "wheelset on profiles", "profile build", "wheelset_11"
+    return of_text(text_of(path, IN_FMU, *asked, ParameterError))
 
 
 def rolling_line(table: ContactTable) -> float:

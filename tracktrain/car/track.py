@@ -19,7 +19,7 @@ from ..geometry.spectra import is_spectrum_file
 from ..geometry.table import read_table
 from .changes import curved, swapped
 from .hopper import layout_of
-from .in_fmu import text_in
+from .in_fmu import text_of
 
 DRAWN = ("spectrum", "seed", "report_rms", "wavelength_min", "wavelength_max", "gauge_range")
 """Parameters of a drawn track, which a recorded one has not."""
@@ -39,15 +39,8 @@ def track_data(path: Path | str, says: Sequence[str] = ()) -> TrackData:
     path = Path(path)
     if path.suffix.lower() != ".fmu":
         return read_track(path, says)
-    try:
-        text = text_in(path, IN_FMU)
-    except OSError as error:
-        raise GeometryError(f"the track '{path}' cannot be read: {error.strerror}") from None
-    if text is None:
-        raise GeometryError(
-            f"'{path}' is no FMU of a track with its stations ({IN_FMU}); "
-            "'tracktrain track build' makes such; --swap track=FMU takes any other"
-        )
+    asked = "track with its stations", "track build", "track"
+    text = text_of(path, IN_FMU, *asked, GeometryError)
     return track_of(read_table(path.name, text, UNITS), path.stem)
 
 
