@@ -24,7 +24,9 @@ COLUMNS = (NAME, "passed [J]", "residual [J]", RELATIVE)
 STEADY = 0.05
 """Part of the speed by which it may vary in a run at one speed."""
 
-LATER = ("report.html", "assessment.csv", "sections.csv", "results.csv")
+PAGE, ASSESSMENT, SECTIONS = "report.html", "assessment.csv", "sections.csv"
+
+LATER = (PAGE, ASSESSMENT, SECTIONS, "results.csv")
 """What commands write beside the results of a run when they are asked to."""
 
 Bond = dict[str, Any]

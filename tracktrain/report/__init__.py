@@ -17,12 +17,11 @@ from ..assessment import judged
 from ..car import curving, slip
 from ..errors import TracktrainError
 from ..events import nadal_rule
-from ..results import Bond, responses_of
+from ..results import PAGE, Bond, responses_of
 from . import content, motion, series, system
 from .packing import packed
 from .rendering import rendered
 
-NAME = "report.html"
 SCRIPTS = ("common.js", "data.js", "scene.js", "player.js", "chart.js", "plots.js", "page.js")
 """In the order in which they need each other."""
 
@@ -35,7 +34,7 @@ def write_report(
     run: it, its dataset, or the folder that it wrote. bonds: as `tracktrain.results.read_bonds`
     gives it. Raises TracktrainError for a run without two rows.
     """
-    path = Path(folder) / NAME
+    path = Path(folder) / PAGE
     path.write_text(page(responses_of(run), bonds), encoding="utf-8")
     return path
 

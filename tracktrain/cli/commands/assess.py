@@ -10,12 +10,12 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from ...results import ASSESSMENT, SECTIONS
 from ..as_json import json_option, print_json
 
 if TYPE_CHECKING:
     import pandas as pd
 
-ASSESSMENT, SECTIONS = "assessment.csv", "sections.csv"
 SHOWN = ["zone", "quantity", "place", "sections", "wanted", "estimate", "limit", "unit", "share"]
 COMPARED = ", for comparison"
 COLOURS = {"passed": "green", "exceeded": "bold red"}
