@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import click
 
+from ..options.out import out_option
 from .as_json import json_option
 
 
@@ -18,13 +18,7 @@ def outcome_options(what: str, name: str) -> Callable[[Any], Any]:
     """
 
     def decorate(function: Any) -> Any:
-        out = click.option(
-            "--out",
-            "-o",
-            type=click.Path(path_type=Path),
-            metavar="DIR",
-            help=f"Folder for {what}.  [default: tracktrain-{name}]",
-        )
+        out = out_option(f"Folder for {what}.  [default: tracktrain-{name}]")
         quiet = click.option("--quiet", is_flag=True, help="Print errors only.")
         return out(json_option(quiet(function)))
 

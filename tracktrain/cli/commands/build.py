@@ -9,6 +9,7 @@ import click
 from fmus.names import CAR, FMI_VERSIONS, NAMES
 
 from ...options.fmu import target_option
+from ...options.out import out_option
 from ...options.types import Name
 from ...terminal import writable
 
@@ -41,15 +42,7 @@ Examples:
     default=("native",),
     help="Compiled, or Python sources to read and to change. Repeatable.  [default: native]",
 )
-@click.option(
-    "--out",
-    "-o",
-    type=click.Path(path_type=Path),
-    default=Path("tracktrain-fmus"),
-    show_default=True,
-    metavar="DIR",
-    help="Folder to write to.",
-)
+@out_option("Folder to write to.", "tracktrain-fmus")
 def command(
     blocks: tuple[str, ...],
     targets: tuple[str, ...],

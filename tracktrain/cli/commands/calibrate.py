@@ -12,6 +12,7 @@ from ...failures import Stopped, termination_as_interrupt
 from ...options.band import band_options
 from ...options.car import friction_option
 from ...options.chosen import Shape, refuse_idle_options, system_options
+from ...options.out import out_option
 from ...options.types import Name, Quantity
 from ...terminal import plain_console, print_whole, printable, runs_shown, writable
 
@@ -76,14 +77,7 @@ Examples:
 )
 @friction_option()
 @system_options
-@click.option(
-    "--out",
-    "-o",
-    type=click.Path(path_type=Path, file_okay=False),
-    default=Path("calibration"),
-    show_default=True,
-    help="Folder for the page, the tables, the pictures and calibrated.toml.",
-)
+@out_option("Folder for the page, the tables, the pictures and calibrated.toml.", "calibration")
 @click.pass_context
 def command(
     ctx: click.Context,

@@ -11,6 +11,7 @@ from ...car.hopper import vehicle
 from ...errors import TracktrainError
 from ...options.car import car_option
 from ...options.fmu import fmi_option, target_option
+from ...options.out import file_option
 from ...options.types import Quantity
 from ...terminal import writable
 
@@ -39,13 +40,7 @@ Examples:
   tracktrain run --carbody my_modes.csv"""
 )
 @click.argument("modes", type=click.Path(path_type=Path, dir_okay=False))
-@click.option(
-    "--out",
-    "-o",
-    type=click.Path(path_type=Path, dir_okay=False),
-    metavar="FILE",
-    help="FMU to write.  [default: the name of MODES with .fmu]",
-)
+@file_option("FMU to write.  [default: the name of MODES with .fmu]")
 @fmi_option(
     "python",
     meaning="Version; python is Python sources to read and to change, of FMI 2.0.",

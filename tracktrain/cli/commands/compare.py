@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 from rich.console import Console
 
+from ...options.out import out_option
 from ...options.span import span_options
 from ...terminal import plain_console, print_whole, printable, writable
 from ..as_json import json_option, print_json
@@ -36,14 +37,7 @@ Examples:
     help="Also compare this signal, such as carbody.front.ay. Repeatable.",
 )
 @span_options
-@click.option(
-    "--out",
-    "-o",
-    type=click.Path(path_type=Path, file_okay=False),
-    default=Path("comparison"),
-    show_default=True,
-    help="Folder for the page, the tables and the pictures.",
-)
+@out_option("Folder for the page, the tables and the pictures.", "comparison")
 @json_option
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context

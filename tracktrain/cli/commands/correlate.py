@@ -8,6 +8,7 @@ import click
 from rich.console import Console
 
 from ...options.band import band_options
+from ...options.out import out_option
 from ...options.span import span_options
 from ...options.types import Name
 from ...terminal import plain_console, print_whole, printable, writable
@@ -40,14 +41,7 @@ Examples:
     help="Offset of the clocks: found by cross-correlation, none, or other events altogether.",
 )
 @span_options
-@click.option(
-    "--out",
-    "-o",
-    type=click.Path(path_type=Path, file_okay=False),
-    default=Path("correlation"),
-    show_default=True,
-    help="Folder for the page, the tables and the pictures.",
-)
+@out_option("Folder for the page, the tables and the pictures.", "correlation")
 @click.pass_context
 def command(
     ctx: click.Context,

@@ -13,6 +13,7 @@ from fmus.names import CAR
 
 from ...car.hopper import HOPPER
 from ...errors import TracktrainError
+from ...options.out import out_option
 from ...options.types import Name
 
 PLACEHOLDER = "my_model"
@@ -26,14 +27,7 @@ Examples:
 )
 @click.argument("block", type=Name("block", CAR))
 @click.argument("name")
-@click.option(
-    "--out",
-    "-o",
-    type=click.Path(path_type=Path),
-    default=Path(),
-    metavar="DIR",
-    help="Folder to make the project's folder in.  [default: here]",
-)
+@out_option("Folder to make the project's folder in.  [default: here]", "")
 def command(block: str, name: str, out: Path) -> None:
     """Start a model of your own in the place of a BLOCK: a folder NAME with plain Python.
 

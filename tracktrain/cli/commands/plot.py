@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from ...errors import TracktrainError
+from ...options.out import file_option
 from ...options.span import span_options
 
 KINDS = (".png", ".svg", ".pdf")
@@ -39,15 +40,7 @@ Examples:
 @click.option("--spectrum", is_flag=True, help="Draw power spectral densities.")
 @click.option("--together", is_flag=True, help="Draw signals of one unit in one panel.")
 @span_options
-@click.option(
-    "--out",
-    "-o",
-    type=click.Path(path_type=Path, dir_okay=False),
-    default=Path("plot.png"),
-    show_default=True,
-    metavar="FILE",
-    help=f"The picture ({', '.join(KINDS)}).",
-)
+@file_option(f"The picture ({', '.join(KINDS)}).", "plot.png")
 def command(
     runs: tuple[Path, ...],
     of: tuple[str, ...],

@@ -30,6 +30,7 @@ from ...options.chosen import (
 )
 from ...options.file import SUFFIX, read_run_file, run_file, schema
 from ...options.master import coupling, master_options
+from ...options.out import out_option
 from ...options.run import (
     REPEATED,
     RESUMED,
@@ -92,15 +93,7 @@ Examples:
 )
 @system_options
 @master_options
-@click.option(
-    "--out",
-    "-o",
-    type=click.Path(path_type=Path),
-    default=Path("tracktrain-results"),
-    show_default=True,
-    metavar="DIR",
-    help="Folder for results.nc and the pictures.",
-)
+@out_option("Folder for results.nc and the pictures.", "tracktrain-results")
 @run_options
 @trust_options
 @click.option(

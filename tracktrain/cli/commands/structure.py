@@ -9,6 +9,7 @@ import click
 
 from ...errors import TracktrainError
 from ...options.fields import adding
+from ...options.out import file_option
 from ...options.types import Quantity
 from ...terminal import plain_console, print_whole, printable, writable
 
@@ -88,12 +89,9 @@ Examples:
   tracktrain carbody my_modes.toml -o my_carbody.fmu"""
 )
 @click.argument("model", required=False, type=FILE)
-@click.option(
-    "--out",
-    "-o",
-    type=FILE,
+@file_option(
+    "Modal data to write; the picture goes beside it.  [default: MODEL_modes.toml]",
     metavar="MODES.toml",
-    help="Modal data to write; the picture goes beside it.  [default: MODEL_modes.toml]",
 )
 @click.option(
     "--write", type=FILE, metavar="FILE.toml", help="Write our hopper car's dimensions, to edit."

@@ -11,6 +11,7 @@ from rich.console import Console
 from ...failures import Stopped, termination_as_interrupt
 from ...options.chosen import refuse_options, system_options
 from ...options.master import master_options
+from ...options.out import out_option
 from ...options.workers import workers_option
 from ...terminal import print_whole, printable, progress_bar, writable
 from ..as_json import json_option, print_json
@@ -56,14 +57,8 @@ Examples:
     metavar="ADDRESS",
     help="Run on the cluster of this Dask scheduler instead; needs tracktrain[cluster].",
 )
-@click.option(
-    "--out",
-    "-o",
-    type=click.Path(path_type=Path),
-    default=Path("tracktrain-sweep"),
-    show_default=True,
-    metavar="DIR",
-    help="Folder for the table and pictures; a sweep that was stopped goes on there.",
+@out_option(
+    "Folder for the table and pictures; a sweep that was stopped goes on there.", "tracktrain-sweep"
 )
 @json_option
 @click.option("--quiet", is_flag=True, help="Print errors only.")

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from ....options.fmu import target_option
+from ....options.out import out_option
 from ....terminal import writable
 
 
@@ -18,14 +19,7 @@ Examples:
   tracktrain fmu pack my_creep --target all"""
 )
 @click.argument("project", type=click.Path(path_type=Path))
-@click.option(
-    "--out",
-    "-o",
-    type=click.Path(path_type=Path),
-    default=Path(),
-    metavar="DIR",
-    help="Folder to write to.  [default: here]",
-)
+@out_option("Folder to write to.  [default: here]", "")
 @target_option()
 def command(project: Path, out: Path, targets: tuple[str, ...]) -> None:
     """Make an FMU of a model in plain Python: of a file, or of the folder of the same name.

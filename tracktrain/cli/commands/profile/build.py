@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from ....options.fmu import fmi_option, target_option
+from ....options.out import file_option
 from ....options.profiles import YAW, on_the_right, pairing_options
 from ....terminal import writable
 
@@ -25,13 +26,7 @@ Examples:
 )
 @click.argument("wheel")
 @click.argument("rail")
-@click.option(
-    "--out",
-    "-o",
-    type=click.Path(path_type=Path, dir_okay=False),
-    metavar="FILE",
-    help="FMU to write.  [default: WHEEL_RAIL.fmu]",
-)
+@file_option("FMU to write.  [default: WHEEL_RAIL.fmu]")
 @click.option(
     "--yaw",
     type=YAW,

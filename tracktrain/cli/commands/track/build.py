@@ -8,6 +8,7 @@ import click
 
 from ....options.car import layout_option, say_option
 from ....options.fmu import fmi_option, target_option
+from ....options.out import file_option
 from ....terminal import writable
 
 
@@ -18,13 +19,7 @@ Examples:
   tracktrain track build mine.csv -o line_7.fmu --fmi 3.0 --target all"""
 )
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
-@click.option(
-    "--out",
-    "-o",
-    type=click.Path(path_type=Path, dir_okay=False),
-    metavar="FILE",
-    help="FMU to write.  [default: the name of FILE with .fmu]",
-)
+@file_option("FMU to write.  [default: the name of FILE with .fmu]")
 @fmi_option()
 @target_option()
 @say_option()
