@@ -67,7 +67,8 @@ from .system.diagram import diagram
 from .system.profile import Profile, read_profile
 from .system.system import Component, Connection, Experiment, PowerBond, System, Value
 from .system.transformation import Linear, Table
-from .trust.findings import CHECKS, Level, Verdict
+from .trust.findings import Level, Verdict
+from .trust.self_test import CHECKS
 from .trust.tested import self_tests
 from .whole.coupled import CoupledCode, coupled_code
 from .whole.linearise import LinearModel, linearise, linearised

@@ -18,12 +18,6 @@ from ..notes import Detail
 VERSION = 4
 """Of the checks: results of another version are not used."""
 
-CHECKS = (
-    "start", "units", "surroundings", "determinism", "rollback", "serialisation", "reading",
-    "dependencies", "derivatives",
-)  # fmt: skip
-"""What an FMU is tested for."""
-
 MARGIN = 0.5
 """Share of the largest stable step above which a run is warned of: damping is off by then."""
 

@@ -18,7 +18,7 @@ from ..fmu.units import scale_of
 from ..slaves.session import Session
 from ..slaves.surroundings import kept
 from ..system.system import Component
-from .findings import CHECKS, Finding, SelfTest
+from .findings import Finding, SelfTest
 from .probe import Array, Probe
 
 STEPS = 3
@@ -52,7 +52,7 @@ def self_test(component: Component, step: float | None = None) -> SelfTest:
     findings: list[Finding] = []
     passed: list[str] = []
     label = ""
-    for name in CHECKS:
+    for name, check in _CHECKS.items():
         with ExitStack() as stack, kept(lambda changed: None):
             session = stack.enter_context(Session())
 
@@ -64,7 +64,7 @@ def self_test(component: Component, step: float | None = None) -> SelfTest:
                 label = probe.description.label
                 if not _offers(probe, name, findings):
                     continue
-                found = [Finding(name, *said) for said in _CHECKS[name](probe, opened, size)]
+                found = [Finding(name, *said) for said in check(probe, opened, size)]
             except OrchestratorError as error:
                 if name == "start":  # nothing else can be tested
                     label = component.file.name if component.file else label
@@ -284,6 +284,9 @@ _CHECKS: dict[str, Callable[[Probe, Open, float], Iterator[Said]]] = {
     "dependencies": _dependencies,
     "derivatives": _derivatives,
 }
+
+CHECKS = tuple(_CHECKS)
+"""What an FMU is tested for, in this order."""
 
 
 def _offers(probe: Probe, check: str, findings: list[Finding]) -> bool:

@@ -7,8 +7,7 @@ import random
 import pytest
 
 from orchestrator import Component, Connection, InlineModel, System, simulate
-from orchestrator.trust.findings import CHECKS
-from orchestrator.trust.self_test import self_test
+from orchestrator.trust.self_test import CHECKS, self_test
 from orchestrator.trust.tested import self_tests
 from support.coupled_models import damper, mass
 from tracktrain.car.hopper import HOPPER, hopper_car

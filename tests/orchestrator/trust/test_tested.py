@@ -15,7 +15,7 @@ from click.testing import CliRunner, Result
 from fmus.catalogue import fmu_path
 from orchestrator import Component, System, simulate
 from orchestrator.trust import tested
-from orchestrator.trust.findings import CHECKS
+from orchestrator.trust.self_test import CHECKS
 from orchestrator.trust.tested import self_tests
 from support.manners import manners
 from support.mishap import KINDS, mishap
