@@ -22,8 +22,8 @@ def overlay(
     runs: Mapping[str, xr.Dataset],
     first: Sequence[str],
     tables: Mapping[str, pd.DataFrame],
-    notes: Sequence[str] = (),
-    command: str = "",
+    notes: Sequence[str],
+    command: str,
 ) -> str:
     """The text of the page. first: signals that are shown before others are picked."""
     names = list(dict.fromkeys(str(n) for data in runs.values() for n in data.data_vars))

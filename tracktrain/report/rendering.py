@@ -10,7 +10,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader
 
 
-def rendered(template: str, scripts: Sequence[str] = (), **values: Any) -> str:
+def rendered(template: str, scripts: Sequence[str], **values: Any) -> str:
     """The text of a page. scripts: files, in the order in which they need each other."""
     return (
         _templates()

@@ -16,35 +16,22 @@ from ..terminal import cell
 from .rendering import rendered
 
 
-def sheet(
-    title: str,
-    tables: Mapping[str, pd.DataFrame],
-    pictures: Mapping[str, bytes],
-    notes: Sequence[str] = (),
-    command: str = "",
-) -> str:
-    """The text of the page: notes, tables, pictures (PNG), each below its name."""
-    return rendered(
-        "sheet.html",
-        ("common.js",),
-        title=title,
-        command=command,
-        notes=notes,
-        **parts(tables, pictures),
-    )
-
-
 def write_sheet(
     page: Path,
     title: str,
     tables: Mapping[str, pd.DataFrame],
     figures: Mapping[str, Figure],
-    notes: Sequence[str] = (),
-    command: str = "",
+    notes: Sequence[str],
+    command: str,
 ) -> list[Path]:
-    """Write a page, and beside it its tables as CSV and its pictures as PNG; the files."""
+    """Write a page of notes, tables and pictures, and beside it tables as CSV and pictures as PNG.
+
+    Returns the files.
+    """
     pictures = {name: png(figure) for name, figure in figures.items()}
-    return write_beside(page, sheet(title, tables, pictures, notes, command), tables, pictures)
+    said = {"title": title, "command": command, "notes": notes, **parts(tables, pictures)}
+    text = rendered("sheet.html", ("common.js",), **said)
+    return write_beside(page, text, tables, pictures)
 
 
 def write_beside(
