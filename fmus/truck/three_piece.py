@@ -72,7 +72,7 @@ class ThreePieceTruck(Block):
 
     @abstractmethod
     def carried(self, u: Signals, p: Signals) -> Motion:
-        """Accelerations of the coordinates of a truck that stands still in its frame, (20)."""
+        """Accelerations of the coordinates of a truck that stands still in its frame, (24)."""
 
     @abstractmethod
     def start(self, p: Signals) -> tuple[Motion, Motion]:
@@ -331,7 +331,7 @@ class ThreePieceTruck(Block):
     def _accelerations(
         self, joints: Joints, loads: Signals, u: Signals, p: Signals, d: Signals
     ) -> Motion:
-        """Those in the car's frame: that of the frame itself is none of them, (20)."""
+        """Those in the car's frame: that of the frame itself is none of them, (24)."""
         absolute = self.acceleration(joints, loads, p, d)
         return [a - b for a, b in zip(absolute, self.carried(u, p), strict=True)]
 
