@@ -176,6 +176,15 @@ def test_a_car_of_fmus_has_the_modes_of_the_equations():
     assert found.to_numpy() == pytest.approx(expected.to_numpy(), rel=1e-6, abs=1e-9)
 
 
+@pytest.mark.parametrize(
+    "half", [{"rail": "crown"}, {"right_wheel": "worn"}, {"right_radius": 0.418}]
+)
+def test_half_a_pair_of_profiles_is_refused_and_not_left_out(half):
+    for study in (stability, sensitivity):
+        with pytest.raises(TracktrainError, match="alone makes no contact; give --wheel"):
+            study(StudiedCar(**half))
+
+
 @pytest.fixture(scope="module")
 def rounded():
     """Of hollow wheels on round rails the FMU of a wheelset, and one with the right side moved."""

@@ -18,7 +18,7 @@ from ...car.linear_fmus import LinearFmus
 from ...car.linear_motion import LinearMotion
 from ...car.rolling_line import lines_of
 from ...options.car import car_option, layout_option, profile_options, set_option
-from ...options.chosen import Assigned, Shape, chosen_car
+from ...options.chosen import PROFILES, Assigned, Shape, chosen_car
 from ...options.fields import adding
 from .outcome import Outcome
 
@@ -74,7 +74,7 @@ class StudiedCar:
         self, changes: Mapping[str, float] = NO_CHANGES, friction: str = "stuck"
     ) -> LinearMotion:
         """For small motion on straight track; friction: a name of `car.friction.FRICTION`."""
-        if self.wheel is None and not self.settings:
+        if not any(getattr(self, name) for name in PROFILES) and not self.settings:
             return linear_car(self.car, friction, changes)
         system = self.system(changes, along=False, speed=SPEED, track="perfect")
         return tuned(partial(LinearFmus.of, system), friction)
