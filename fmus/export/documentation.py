@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
@@ -147,6 +148,14 @@ def documentation(
 """
 
 
+# Files that a README points to and an FMU does not hold, and where the page has what they say.
+_POINTERS = {
+    r"`range\.toml`": "[Range](#range)",
+    r"`\.\./parameters/\*\.toml`": "[Parameters](#parameters)",
+    r"`\.\./(\w+)(/README\.md)?`": r"the documentation of `\1`",
+}
+
+
 def _folder(block: Block | Model) -> str:
     return block.folder if isinstance(block, Block) else block.name
 
@@ -172,6 +181,8 @@ def _readme(path: Path) -> str:
     if not path.exists():
         return ""
     title, _, rest = path.read_text().partition("\n")
+    for pointer, place in _POINTERS.items():
+        rest = re.sub(pointer, place, rest)
     return _markdown(rest if title.startswith("# ") else title + "\n" + rest)
 
 

@@ -42,7 +42,7 @@ def test_archive_holds_documentation_licence_and_sources(block_name, fmi):
 
 
 def test_the_page_leads_only_to_what_is_there(block_name, fmi):
-    """Pictures, licence, reference results, and its own headings."""
+    """Pictures, licence, reference results, its own headings, and no file beside a README."""
     with zipfile.ZipFile(fmu_path(block_name, fmi)) as archive:
         names = set(archive.namelist())
         page = archive.read("documentation/index.html").decode()
@@ -53,6 +53,7 @@ def test_the_page_leads_only_to_what_is_there(block_name, fmi):
             assert f'id="{target[1:]}"' in page, target
         elif not target.startswith("http"):
             assert posixpath.normpath(f"documentation/{target}") in names, target
+    assert re.findall(r"<code>(\.\./[^<]*|range\.toml)</code>", page) == []
 
 
 def test_every_variable_has_a_description_and_every_real_a_unit(block_name, fmi):
