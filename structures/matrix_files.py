@@ -33,7 +33,7 @@ SYMMETRIC = 1e-8
 """Largest difference of a matrix to its transpose, over its largest entry."""
 
 
-def read_npz(path: Path, units: UnitSystem, places: Mapping[str, int] | None = None) -> Structure:
+def read_npz(path: Path, units: UnitSystem, places: Mapping[str, int]) -> Structure:
     """The structure of an NPZ whose arrays are `KEYS`, all in the units."""
     try:
         with np.load(path, allow_pickle=False) as archive:
@@ -55,7 +55,7 @@ def read_npz(path: Path, units: UnitSystem, places: Mapping[str, int] | None = N
     table = {int(n): units.length * at for n, at in zip(numbers, positions, strict=True)}
     if len(table) < len(numbers):
         raise StructureError(f"{path.name}: a node's number stands twice in nodes")
-    return _structure(path, (K, M), units, table, places or {})
+    return _structure(path, (K, M), units, table, places)
 
 
 def _missing(path: Path, key: str, content: Mapping[str, Any]) -> StructureError:
@@ -80,12 +80,12 @@ def _of_archive(path: Path, content: Mapping[str, Any], key: str) -> Any:
 
 
 def read_matrices(
-    files: tuple[Path, Path, Path], units: UnitSystem, places: Mapping[str, int] | None = None
+    files: tuple[Path, Path, Path], units: UnitSystem, places: Mapping[str, int]
 ) -> Structure:
     """The structure of K and M (Matrix Market) and a table of nodes (CSV), in this order."""
     K, M = (_matrix_market(path) for path in files[:2])
     table, named = read_nodes(files[2])
-    return _structure(files[0], (K, M), units, table, {**named, **(places or {})})
+    return _structure(files[0], (K, M), units, table, {**named, **places})
 
 
 def _matrix_market(path: Path) -> Any:

@@ -15,7 +15,7 @@ from .product import Product
 from .single import build_single, kept
 
 
-def track_block(data: TrackData, name: str = "track") -> RecordedTrack:
+def track_block(data: TrackData, name: str) -> RecordedTrack:
     """The block of a track, straight or along its line."""
     return RecordedTrack(data, name) if data.line is None else LaidTrack(data, name)
 

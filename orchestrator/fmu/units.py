@@ -175,12 +175,12 @@ class Quantity:
         return f"{self.value:g} {self.unit}".rstrip()
 
 
-def base_unit(unit: str, definitions: Definitions | None = None) -> BaseUnit | None:
+def base_unit(unit: str, definitions: Definitions) -> BaseUnit | None:
     """A unit by exponents of SI base units, as the FMU defines it or as pint knows it.
 
     None for one with broken exponents, which FMI and SSP cannot define. Raises UnitError.
     """
-    if definitions and unit in definitions:
+    if unit in definitions:
         return definitions[unit]
     scale = scale_of(unit)
     powers = dict(registry().Quantity(1.0, _parsed(unit)).to_base_units().unit_items())

@@ -226,7 +226,7 @@ def load_models(
     stack: ExitStack,
     start: float,
     stop: float,
-    listener: Listener | None = None,
+    listener: Listener | None,
 ) -> list[Model]:
     """Instances of all components of a plan for model exchange, initialized at `start` [s].
 

@@ -79,7 +79,7 @@ def chosen_parameters(
     ranges: Sequence[str],
     priors: Sequence[str],
     system: System,
-    numbers: Sequence[Uncertain] = (),
+    numbers: Sequence[Uncertain],
 ) -> list[Chosen]:
     """Parameters of a car by name: "block.parameter", "instance.parameter", or "parameter" of all.
 

@@ -73,9 +73,7 @@ def correlate(
     return Correlation(given, judged, numbers(given), ratings(given), notes)
 
 
-def write_correlation(
-    found: Correlation, folder: Path, title: str, command: str = ""
-) -> list[Path]:
+def write_correlation(found: Correlation, folder: Path, title: str, command: str) -> list[Path]:
     """Write correlation.html, its tables as CSV and its pictures into a folder; the files."""
     tables = {"verdict": found.verdicts, "numbers": found.numbers}
     if len(found.ratings):

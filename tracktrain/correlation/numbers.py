@@ -178,7 +178,7 @@ def verdicts(given: Conditioned) -> tuple[pd.DataFrame, list[str]]:
     return pd.DataFrame(rows, columns=columns).set_index(["channel", "run"]), notes
 
 
-def lines_outside(measured: Spectrum, run: Spectrum, band: Band, noise: float = 0.0) -> float:
+def lines_outside(measured: Spectrum, run: Spectrum, band: Band, noise: float) -> float:
     """Share of the lines in the band whose ratio of densities is outside of its 95 % bounds.
 
     noise: density of the measurement's noise; lines where neither is clear of it tell nothing.

@@ -262,9 +262,9 @@ def _table(profiles: Profiles, radius: float, held: tuple[bytes, ...]) -> Contac
 def check_pair(
     wheel: str | None,
     rail: str | None,
-    right_wheel: str | None = None,
-    right_rail: str | None = None,
-    right_radius: float | None = None,
+    right_wheel: str | None,
+    right_rail: str | None,
+    right_radius: float | None,
 ) -> None:
     """Raise TracktrainError for half a pair of profiles, for a rail beside an FMU of both, and for
     a right side without a left one."""

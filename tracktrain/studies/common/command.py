@@ -47,7 +47,7 @@ def study_command(
     return decorate
 
 
-def deliver(outcome: Outcome, folder: Path, quiet: bool = False, as_json: bool = False) -> None:
+def deliver(outcome: Outcome, folder: Path, quiet: bool, as_json: bool) -> None:
     """Write an outcome to a folder, and print it as tables or as JSON."""
     try:
         outcome.write(folder)

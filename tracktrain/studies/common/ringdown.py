@@ -57,9 +57,12 @@ def oscillation(time: Array, motion: Array, frequency: float | None = None) -> O
 
 
 def separable(
-    columns: Callable[[Array], NDArray], values: NDArray, guess: Array, scale: Array | None = None
+    columns: Callable[[Array], NDArray], values: NDArray, guess: Array, scale: Array
 ) -> tuple[Array, NDArray]:
-    """Least squares of columns(guess) @ factors against values: the guess and the factors."""
+    """Least squares of columns(guess) @ factors against values: the guess and the factors.
+
+    scale: of a change of each guess that matters.
+    """
 
     def factors(x: Array) -> NDArray:
         return np.linalg.lstsq(columns(x), values, rcond=None)[0]
@@ -69,6 +72,5 @@ def separable(
         return np.concatenate([left.real, left.imag]) if np.iscomplexobj(left) else left
 
     size = float(np.linalg.norm(values))
-    step = np.abs(guess) if scale is None else scale
-    found = least_squares(residual, guess, x_scale=step, xtol=1e-12, ftol=1e-12, gtol=1e-12).x
+    found = least_squares(residual, guess, x_scale=scale, xtol=1e-12, ftol=1e-12, gtol=1e-12).x
     return found, factors(found)

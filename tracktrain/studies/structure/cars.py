@@ -17,7 +17,7 @@ from ...car.hopper import hopper_car, parameters_of, vehicle
 from ...car.linear import LinearCar
 from ...car.modes import critical_speeds
 from ...scales import FOOT, MILE_PER_HOUR
-from ...terminal import Progress, unseen
+from ...terminal import Progress
 from ..common.rig import completed
 
 SPEEDS = np.arange(20.0, 141.0, 10.0) * FOOT
@@ -40,7 +40,7 @@ SHAPES = {"torsion": "roll", "lateral bending": "y", "vertical bending": "z"}
 
 
 def compared_cars(
-    car: str, carbodies: Mapping[str, ModalData | None], progress: Progress = unseen
+    car: str, carbodies: Mapping[str, ModalData | None], progress: Progress
 ) -> pd.DataFrame:
     """Critical speed (friction stuck), the frequency there, and rms of the response, by carbody.
 
