@@ -26,7 +26,7 @@ from orchestrator import choices
 
 from ..columns import file_and_column
 from ..errors import TracktrainError
-from .types import Assignment, Name, Quantity
+from .types import TYPED, Assignment, Name, Quantity
 
 SUFFIX = ".toml"
 SYSTEM = "system"
@@ -102,7 +102,9 @@ def run_file(ctx: click.Context, folder: Path) -> str:
         if source in (ParameterSource.DEFAULT, None):
             continue
         value = ctx.params[param.name or ""]
-        if isinstance(param.type, Assignment):
+        if isinstance(param.type, Quantity):
+            lines.append(f"{key} = {json.dumps(ctx.meta[f'{TYPED}.{param.name}'])}")
+        elif isinstance(param.type, Assignment):
             rows = [
                 f"{_name(target, name)} = {json.dumps(_whole(param, given, folder))}"
                 for target, name, given in value
@@ -196,8 +198,6 @@ def _written(param: click.Parameter, value: Any, folder: Path) -> str:
     """A value in TOML, whose strings, numbers and lists are those of JSON."""
     if param.multiple:
         return json.dumps([str(v) for v in value])
-    if isinstance(param.type, Quantity):
-        return json.dumps(f"{value!r} {param.type.unit}")
     if isinstance(value, Path):
         return json.dumps(_seen(value, folder))
     if isinstance(value, str):

@@ -11,6 +11,9 @@ import click
 import orchestrator
 from orchestrator import choices
 
+TYPED = "typed"
+"""What a context knows a quantity by as it was typed, before the name of its parameter."""
+
 
 class Quantity(click.ParamType):
     """A number above zero with a unit, converted to `unit`; `units` are some that it may have.
@@ -35,6 +38,8 @@ class Quantity(click.ParamType):
         """Value in `self.unit`; click.BadParameter for anything else than such a quantity."""
         if isinstance(value, float):
             return value
+        if ctx is not None and param is not None:
+            ctx.meta[f"{TYPED}.{param.name}"] = value
         try:
             given = orchestrator.Quantity.parsed(value)
         except orchestrator.UnitError:

@@ -61,6 +61,13 @@ def test_what_is_typed_departs_from_the_file(fast):
     assert given["speed"] == pytest.approx(13.4112) and given["seed"] == 4
 
 
+def test_a_saved_quantity_is_as_it_was_typed(fast, tmp_path):
+    saved = tomllib.loads(run_file(understood("--speed", "30 mph", "--memory", "1 GB"), tmp_path))
+    assert saved == {"speed": "30 mph", "memory": "1 GB"}
+    departed = run_file(understood(fast, "--duration", "2 min"), tmp_path)
+    assert 'speed = "80 ft/s"' in departed and 'duration = "2 min"' in departed
+
+
 def test_what_is_saved_from_another_folder_means_the_same(fast, tmp_path):
     other = tmp_path / "elsewhere" / "saved.toml"
     other.parent.mkdir()
