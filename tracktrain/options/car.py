@@ -16,7 +16,7 @@ from ..car.hopper import CARS, TRACK, TRACKS, instances
 from ..errors import TracktrainError
 from .fields import adding
 from .profiles import right_radius_option
-from .types import Assignment, Name, Quantity
+from .types import Assignment, Name, Quantity, each_once
 
 Option = Callable[[Any], Any]
 SPEED_KIND = Quantity("speed", "m/s", ("ft/s", "mph", "m/s", "km/h"), "60 ft/s")
@@ -87,6 +87,7 @@ def set_option() -> Option:
         "--set",
         "settings",
         type=Assignment(instances, 'instance.parameter="value unit"'),
+        callback=each_once,
         multiple=True,
         metavar='INSTANCE.PARAMETER="VALUE UNIT"',
         help="Change a parameter. Repeatable.",
@@ -264,5 +265,5 @@ def swap_option(**more: Any) -> Option:
         metavar="INSTANCE=FMU",
         help="Put another FMU in an instance's place: a file, or the name of a block, such as "
         "truck_joints. Repeatable.",
-        **more,
+        **{"callback": each_once, **more},
     )

@@ -29,7 +29,7 @@ from .car import (
     track_option,
 )
 from .fields import adding
-from .types import Assignment, Quantity
+from .types import Assignment, Quantity, each_once
 
 if TYPE_CHECKING:
     from fmus.track.recorded_data import TrackData
@@ -86,6 +86,7 @@ _OPTIONS = (
         "--drive",
         "drives",
         type=Assignment(instances, "instance.input=table.csv"),
+        callback=each_once,
         multiple=True,
         metavar="INSTANCE.INPUT=FILE",
         help="Let an input follow a table over time: CSV, its first line names the columns with "
@@ -96,6 +97,7 @@ _OPTIONS = (
         "--initial",
         "initials",
         type=Assignment(instances, 'instance.coordinate="value unit"'),
+        callback=each_once,
         multiple=True,
         metavar='INSTANCE.COORDINATE="VALUE UNIT"',
         help="Displace a truck or the carbody at the start. Repeatable.",
@@ -107,6 +109,7 @@ _OPTIONS = (
         "--map",
         "maps",
         type=Assignment(instances, "instance=map.toml"),
+        callback=each_once,
         multiple=True,
         metavar="INSTANCE=FILE",
         help="What the instance's ports are called in the FMU of --swap, with signs and units, in "

@@ -102,7 +102,7 @@ run_options = adding(
         ),
         click.option(
             "--statistics-from",
-            type=Quantity("start of the statistics", "s", TIMES, "10s"),
+            type=Quantity("start of the statistics", "s", TIMES, "10s", zero=True),
             metavar="TIME",
             help="Time from which the statistics at the end count.  [default: the start]",
         ),

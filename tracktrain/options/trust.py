@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..car.hopper import layout_of
+from .chosen import refuse_options
 from .fields import SETTINGS, adding
 from .types import Quantity
 
@@ -34,7 +35,7 @@ _OPTIONS = (
     ),
     click.option(
         "--twin",
-        type=Quantity("time", "s", ("s", "ms", "min"), "2s"),
+        type=Quantity("time", "s", ("s", "ms", "min"), "2s", zero=True),
         default="1s",
         show_default=True,
         metavar="TIME",
@@ -46,10 +47,13 @@ _OPTIONS = (
 trust_options = adding(_OPTIONS)
 
 
-def trusted(options: dict[str, Any]) -> dict[str, Any]:
-    """Take what the options above say out of a command's."""
+def trusted(ctx: click.Context, options: dict[str, Any]) -> dict[str, Any]:
+    """Take what the options above say out of a command's; TracktrainError for one without use."""
     names = ("self_test", "verify", "verify_output", "twin")
-    return {name: options.pop(name) for name in names}
+    taken = {name: options.pop(name) for name in names}
+    if not taken["verify"]:
+        refuse_options(ctx, ["verify_output", "twin"], "nothing is verified without --verify")
+    return taken
 
 
 def shown(system: System) -> list[str] | None:

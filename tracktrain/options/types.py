@@ -18,7 +18,7 @@ TYPED = "typed"
 class Quantity(click.ParamType):
     """A number above zero with a unit, converted to `unit`; `units` are some that it may have.
 
-    most: the largest one, with its unit, if there is one.
+    most: the largest one, with its unit, if there is one. zero: nothing of it may be asked for.
     """
 
     def __init__(
@@ -28,9 +28,10 @@ class Quantity(click.ParamType):
         units: Sequence[str],
         example: str,
         most: str | None = None,
+        zero: bool = False,
     ) -> None:
         self.name, self.unit, self.units, self.example = name, unit, tuple(units), example
-        self.most = most
+        self.most, self.zero = most, zero
 
     def convert(
         self, value: str | float, param: click.Parameter | None, ctx: click.Context | None
@@ -46,8 +47,9 @@ class Quantity(click.ParamType):
             self.fail(f"'{value}' is not a number with a unit; {self._advice()}", param, ctx)
         if not math.isfinite(given.value):
             self.fail(f"'{value}' is not a finite number; {self._advice()}", param, ctx)
-        if given.value <= 0.0:
-            self.fail(f"a {self.name} of {value} cannot be run; it must be above zero", param, ctx)
+        if given.value < 0.0 or (given.value == 0.0 and not self.zero):
+            least = "zero or more" if self.zero else "above zero"
+            self.fail(f"a {self.name} of {value} cannot be run; it must be {least}", param, ctx)
         if not given.unit:
             self.fail(f"'{value}' has no unit; {self._advice()}", param, ctx)
         try:
@@ -115,3 +117,20 @@ class Assignment(click.ParamType):
                 ctx,
             )
         return instance, name, right.strip()
+
+
+def each_once(
+    ctx: click.Context, param: click.Parameter, given: Sequence[tuple[str, str, str]]
+) -> Sequence[tuple[str, str, str]]:
+    """What assignments say, each of something else; click.BadParameter where two are of one."""
+    said: dict[str, str] = {}
+    for instance, name, value in given:
+        target = f"{instance}.{name}" if name else instance
+        if target in said:
+            raise click.BadParameter(
+                f"{target} is given twice, as '{said[target]}' and as '{value}'; leave out one",
+                ctx,
+                param,
+            )
+        said[target] = value
+    return given

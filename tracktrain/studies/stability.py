@@ -41,6 +41,7 @@ from ..options.car import (
     speeds_option,
     swap_option,
 )
+from ..options.types import each_once
 from ..plots import MUTED, RED, STYLE, conversion
 from ..scales import FOOT, MILE_PER_HOUR
 from ..terminal import Progress, unseen
@@ -135,7 +136,11 @@ command = study_command(
     speeds_option(
         "--ring-down", "ring_down", (), "Also identify the growth from a run of the FMUs."
     ),
-    swap_option(callback=lambda _, __, given: {name: fmu_of(path) for name, _, path in given}),
+    swap_option(
+        callback=lambda ctx, param, given: {
+            name: fmu_of(path) for name, _, path in each_once(ctx, param, given)
+        }
+    ),
     click.option("--no-animation", "animate", flag_value=False, default=True, help="No GIF files."),
     epilog="""\b
 Examples:

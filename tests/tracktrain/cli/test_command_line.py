@@ -60,6 +60,19 @@ def refused(*arguments: str) -> str:
         ),
         (("--seed", "one"), "'one' is not a valid integer"),
         (
+            ("--verify-output", "*.y", "--twin", "2s"),
+            "nothing is verified without --verify; leave out --verify-output and --twin",
+        ),
+        (
+            ("--set", "truck_front.axle_load=1 N", "--set", "truck_front.axle_load=2 N"),
+            "truck_front.axle_load is given twice, as '1 N' and as '2 N'; leave out one",
+        ),
+        (
+            ("--swap", "truck_rear=truck", "--swap", "truck_rear=truck_joints"),
+            "truck_rear is given twice, as 'truck' and as 'truck_joints'; leave out one",
+        ),
+        (("--twin", "-1s"), "a time of -1s cannot be run; it must be zero or more"),
+        (
             ("--set", "conicity"),
             "'conicity' cannot be read; write it as instance.parameter=\"value",
         ),

@@ -116,6 +116,12 @@ def test_log_is_written_where_it_is_asked_for(tmp_path: Path) -> None:
     assert "cannot be written to: no such file or directory; name another file" in wrong.stderr
 
 
+def test_a_run_that_is_not_there_leaves_no_folder(tmp_path: Path) -> None:
+    wrong = run("--resume", str(tmp_path / "rus"))
+    assert wrong.exit_code == 2 and "there is no checkpoint in" in wrong.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.skipif(os.name != "posix", reason="kills as POSIX does")
 @pytest.mark.parametrize("asked", ["SIGTERM", "SIGHUP"])
 def test_request_to_terminate_ends_the_run_as_ctrl_c_does(asked: str, tmp_path: Path) -> None:

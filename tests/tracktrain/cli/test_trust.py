@@ -71,3 +71,10 @@ def test_verify_says_how_large_the_error_is(tmp_path):
     with xr.open_dataset(tmp_path / "results.nc") as dataset:
         assert dataset.attrs["verdict"] == verdict
         assert dataset.sizes["time"] == 301
+
+
+def test_verify_takes_nothing_of_a_run_for_its_slow_twin(tmp_path):
+    options = ("--duration", "0.1s", "--verify", "--twin", "0s", "--statistics-from", "0s")
+    result = CliRunner().invoke(main, ["run", *options, "--out", str(tmp_path)])
+    assert result.exit_code == 0, result.stderr
+    assert "twin" not in result.stdout

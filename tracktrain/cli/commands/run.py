@@ -135,17 +135,19 @@ def command(
     """
     if save is not None:
         save.write_text(run_file(ctx, save.parent), encoding="utf-8")
-    how, coupled, trust = survival(options), coupling(options), trusted(options)
+    how, coupled, trust = survival(options), coupling(options), trusted(ctx, options)
     kept, isolate, shape = Kept.taken(options), options.pop("isolate"), Shape.taken(options)
     counting = Counting.taken(options)
-    resume, folder = kept.resume, writable(kept.resume or out)
+    resume = kept.resume
+    begun = None if resume is None else orchestrator.read_checkpoint(resume)
+    folder = writable(resume or out)
     ctx.with_resource(orchestrator.owned(folder, for_runs=True))
     beside = ctx.with_resource(_beside()) if kept.page else None
     start: Callable[..., Run]
-    if resume is not None:
+    if resume is not None and begun is not None:
         others = {param.name or "" for param in ctx.command.params} - {*RESUMED}
         refuse_options(ctx, others, f"the run in '{resume}' goes on as it began")
-        system = orchestrator.read_checkpoint(resume).system
+        system = begun.system
         start = partial(orchestrator.resume, resume)
     elif kept.again is not None:
         others = {param.name or "" for param in ctx.command.params} - {*REPEATED}
