@@ -95,6 +95,6 @@ def _one_fmu(system: System, file: Path, fmi: str, targets: tuple[str, ...]) -> 
     file.parent.mkdir(parents=True, exist_ok=True)
     if not os.access(file.parent, os.W_OK):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(file.parent))
-    click.echo("compiling the car, about a minute", err=True)
+    click.echo("compiling the car, about half a minute", err=True)
     path, _ = build_one_fmu(system, file, fmi=fmi, platforms=targets)
     return path
