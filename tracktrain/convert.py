@@ -17,6 +17,7 @@ from orchestrator import choices
 from .errors import TracktrainError
 from .quantities import signals_meant
 from .results import opened
+from .whole import whole
 
 LONGEST = 63
 """Characters of a name that MATLAB takes."""
@@ -41,12 +42,8 @@ def convert(
     dataset = chosen(opened(run), signals).sel(time=slice(begin, end))
     if not dataset.sizes["time"]:
         raise TracktrainError(f"'{run}' has no rows in that time; choose another span")
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        write(dataset, file)
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise TracktrainError(f"'{file}' cannot be written: {reason}") from None
+    with whole(file) as new:
+        write(dataset, new)
     return file
 
 
@@ -70,7 +67,10 @@ def _parquet(dataset: xr.Dataset, file: Path) -> None:
 
 
 def _hdf5(dataset: xr.Dataset, file: Path) -> None:
-    dataset.to_netcdf(file, format="NETCDF4", engine="netcdf4")
+    try:
+        dataset.to_netcdf(file, format="NETCDF4", engine="netcdf4")
+    except RuntimeError as error:  # HDF5's, which does not say why
+        raise OSError(str(error)) from None
 
 
 def _mat(dataset: xr.Dataset, file: Path) -> None:

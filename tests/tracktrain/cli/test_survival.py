@@ -106,6 +106,37 @@ def test_full_disk_ends_the_run_with_what_fits(tmp_path: Path) -> None:
     assert np.isfinite(found["carbody.cg.y"]).all()
 
 
+@pytest.mark.skipif(os.name != "posix", reason="limits as POSIX has them")
+@pytest.mark.parametrize("name", ["track.csv", "rows.csv", "rows.mat", "rows.h5", "rows.png"])
+def test_full_disk_leaves_the_older_file_and_no_part_of_a_new_one(
+    name: str, tmp_path: Path
+) -> None:
+    import resource
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+
+    older, results = tmp_path / name, tmp_path / "run"
+    older.write_text("older")
+    fmu_path("track")  # which is built without a limit
+    if name == "track.csv":
+        command = ["track", "make", str(older), "--spectrum", "fra5"]
+    else:
+        assert run(*SHORT, "--out", str(results)).exit_code == 0
+        plot = ["plot", str(results), "-o", str(older)]
+        command = plot if name == "rows.png" else ["convert", str(results), str(older)]
+    done = subprocess.run(
+        [sys.executable, "-m", "tracktrain", *command],
+        preexec_fn=limit,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 2, done.stderr
+    assert f"'{older}' cannot be written: " in done.stderr
+    assert older.read_text() == "older"
+    assert {path.name for path in tmp_path.iterdir()} <= {name, "run"}
+
+
 def test_log_is_written_where_it_is_asked_for(tmp_path: Path) -> None:
     path = tmp_path / "run.log"
     options = ("--log", str(path), "--log-level", "all", "--out", str(tmp_path))

@@ -9,6 +9,7 @@ import click
 from ...errors import TracktrainError
 from ...options.out import file_option
 from ...options.span import span_options
+from ...whole import whole
 
 KINDS = (".png", ".svg", ".pdf")
 
@@ -60,10 +61,6 @@ def command(
     from ...plotting import plot
 
     figure = plot(runs, of, over=over, spectrum=spectrum, together=together, begin=begin, end=end)
-    try:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(out)
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise TracktrainError(f"'{out}' cannot be written: {reason}") from None
+    with whole(out) as new:
+        figure.savefig(new)
     click.echo(str(out))

@@ -44,6 +44,7 @@ from ...options.run import (
 from ...options.trust import shown, trust_options, trusted
 from ...terminal import writable
 from ...waiting import announced
+from ...whole import whole
 from ..as_json import json_option, print_json
 
 if TYPE_CHECKING:
@@ -134,7 +135,7 @@ def command(
     from which typed ones depart (docs/run_files.md).
     """
     if save is not None:
-        save.write_text(run_file(ctx, save.parent), encoding="utf-8")
+        _save(ctx, save)
     how, coupled, trust = survival(options), coupling(options), trusted(ctx, options)
     kept, isolate, shape = Kept.taken(options), options.pop("isolate"), Shape.taken(options)
     counting = Counting.taken(options)
@@ -196,6 +197,11 @@ def command(
     _say(told, result, folder, lost, form)
     if not result.completed:
         raise _stopped(result, folder, bool(how["checkpoint"] or resume))
+
+
+def _save(ctx: click.Context, file: Path) -> None:
+    with whole(file) as new:
+        new.write_text(run_file(ctx, file.parent), encoding="utf-8")
 
 
 def _span(system: System) -> float:

@@ -20,6 +20,7 @@ from ...options.chosen import (
     system_options,
 )
 from ...terminal import plain_console, print_whole
+from ...whole import whole
 
 KINDS = (".svg", ".png", ".pdf")
 
@@ -78,5 +79,6 @@ def command(
         for connection in system.connections:
             console.print(f"{connection.source} -> {connection.target}", soft_wrap=True)
     if picture is not None:
-        system.plot().savefig(picture)
+        with whole(picture) as new:
+            system.plot().savefig(new)
         console.print(str(picture))

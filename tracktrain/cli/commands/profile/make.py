@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from ....errors import TracktrainError
-from ....terminal import writable
+from ....whole import whole
 
 
 @click.command(
@@ -33,8 +33,8 @@ def command(out: Path, source: str, says: tuple[str, ...]) -> None:
     if out.suffix.lower() != ".csv":
         raise TracktrainError(f"'{out}' is no CSV file by its name; call it '{out.stem}.csv'")
     profile = profile_of(source, says)
-    writable(out.parent)
-    out.write_text(as_text(profile), encoding="utf-8")
+    with whole(out) as new:
+        new.write_text(as_text(profile), encoding="utf-8")
     click.echo(f"{out}: {profile.kind}, {len(profile.points)} points")
     for line in profile.said:
         click.echo(f"  {line}")

@@ -10,7 +10,7 @@ import click
 from ....errors import TracktrainError
 from ....options.car import layout_option, say_option, seed_option
 from ....options.types import Quantity
-from ....terminal import writable
+from ....whole import whole
 
 LENGTH = ("m", "ft", "km", "mi")
 DEFAULT_LENGTH, DEFAULT_SPACING = 500.0, 0.1
@@ -118,8 +118,8 @@ def command(
         track = with_shapes(track, [shape for text in shapes for shape in read_shape(text, place)])
     if layout is not None:
         track = with_layout(track, elements, layout.name)
-    writable(out.parent)
-    out.write_text(as_text(track), encoding="utf-8")
+    with whole(out) as new:
+        new.write_text(as_text(track), encoding="utf-8")
     click.echo(
         f"{out}: {track.first:.6g} to {track.last:.6g} m, {track.values.shape[1]} stations each "
         f"{track.spacing:.6g} m"

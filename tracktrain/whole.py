@@ -1,0 +1,35 @@
+"""Files that are written wholly or not at all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from .errors import TracktrainError
+
+
+@contextmanager
+def whole(path: Path) -> Iterator[Path]:
+    """Where to write what takes a file's place when all of it is there; its folder is made.
+
+    What is written there in part, as on a full disk, goes, and an older file stays. Raises
+    TracktrainError for a place that cannot be written to.
+    """
+    there = path.resolve()  # a link stays one
+    new = there.with_name(f"{there.stem}.new{there.suffix}")
+    if there.exists() and not there.is_file():  # a device or a pipe has no place to be taken
+        new = there
+    try:
+        there.parent.mkdir(parents=True, exist_ok=True)
+        yield new
+        if new != there:
+            new.replace(there)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise TracktrainError(
+            f"'{path}' cannot be written: {reason}; make room there, or choose another place"
+        ) from None
+    finally:
+        if new != there:
+            new.unlink(missing_ok=True)
