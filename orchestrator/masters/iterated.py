@@ -38,7 +38,9 @@ class Iterated(Master):
         choices=METHODS,
     )
     tolerance: float = option(1e-8, "Relative residual at which iterated is content.", above=0.0)
-    iterations: int = option(100, "How often iterated repeats a macro step at most.", least=1)
+    iterations: int = option(
+        100, "How often iterated repeats a macro step at most.", least=1, most=2**31 - 1
+    )
 
     def prepare(self, plan: Plan, slaves: Sequence[Slave]) -> Prepared:
         """The repeating loop."""

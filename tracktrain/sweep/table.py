@@ -79,13 +79,14 @@ def write_table(table: xr.Dataset, folder: Path) -> None:
 
 
 def idle_axes(table: xr.Dataset) -> list[str]:
-    """Axes along which no number of any run differs in a bit; none while runs are missing."""
+    """Axes along which no number of any run differs in a bit; none while numbers are missing."""
     numbers = {
         name: v
         for name, v in table.data_vars.items()
         if v.dtype.kind == "f" and name not in ("wall_time", "stepping_time")
     }
-    if not numbers or not table["done"].values.all():
+    known = any(np.isfinite(v.values).any() for v in numbers.values())
+    if not known or not table["done"].values.all():
         return []
 
     def same(v: xr.DataArray, place: int) -> bool:

@@ -60,6 +60,10 @@ def refused(*arguments: str) -> str:
         ),
         (("--seed", "one"), "'one' is not a valid integer"),
         (
+            ("--master", "iterated", "--iterations", "99999999999999999999"),
+            "99999999999999999999 is not in the range 1<=x<=2147483647",
+        ),
+        (
             ("--verify-output", "*.y", "--twin", "2s"),
             "nothing is verified without --verify; leave out --verify-output and --twin",
         ),

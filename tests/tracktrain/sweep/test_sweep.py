@@ -361,3 +361,4 @@ def test_an_axis_along_which_no_number_differs_has_no_say() -> None:
     )
     assert idle_axes(table) == ["colour"]
     assert idle_axes(table.assign(done=table["done"] * 0)) == []
+    assert idle_axes(table.assign(peak=table["peak"] * np.nan)) == []  # all runs failed
