@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -92,6 +94,16 @@ def test_assess_prints_the_events_and_leaves_them_as_a_table(tmp_path):
     run_of().to_netcdf(tmp_path / "results.nc")
     assert "derailment" not in CliRunner().invoke(main, ["assess", str(tmp_path)]).output
     assert not (tmp_path / "events.csv").exists()
+
+
+def test_assess_says_before_its_table_that_the_run_left_the_model(tmp_path):
+    run_of(ratio=range(10, 40)).to_netcdf(tmp_path / "results.nc")
+    said = CliRunner().invoke(main, ["assess", str(tmp_path)]).output
+    assert said.startswith("Range: bad. Derailment: ")
+    found = json.loads(CliRunner().invoke(main, ["assess", str(tmp_path), "--json"]).output)
+    assert found["range"]["level"] == "bad"
+    run_of().to_netcdf(tmp_path / "results.nc")
+    assert "Range" not in CliRunner().invoke(main, ["assess", str(tmp_path)]).output
 
 
 def test_the_page_lists_the_events_and_has_them_for_its_plots():

@@ -68,6 +68,15 @@ def parts(
     return sorted(found, key=lambda part: ORDER.index(part.level))
 
 
+def outside(dataset: Responses, happened: list[Event]) -> Part | None:
+    """What a run left of what its FMUs hold for; None for one that stayed inside or says nothing.
+
+    happened: its events.
+    """
+    found = _range(range_of(dataset), happened, unsure=False)
+    return found if found.level in (Level.BAD, Level.DOUBTFUL) else None
+
+
 def moving(dataset: Responses) -> dict[str, Settling]:
     """How what is printed of a run settles, by its label; of another system its first outputs."""
     shown = [s for s in layout_of(dataset).quantities.values() if s.variable in dataset]

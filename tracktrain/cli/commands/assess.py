@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 SHOWN = ["zone", "quantity", "place", "sections", "wanted", "estimate", "limit", "unit", "share"]
 COMPARED = ", for comparison"
+OUTSIDE = "What is said below is of the whole run, that part of it included."
 COLOURS = {"passed": "green", "exceeded": "bold red"}
 
 
@@ -42,6 +43,7 @@ def command(folder: Path, sections: bool, as_json: bool, quiet: bool) -> None:
     Every quantity comes with its filter, window, limit and source; assessment.csv has them all.
     Limits marked with * were not read in their source and are to be checked before they are quoted.
     """
+    from ...answer import outside
     from ...assessment import assess as assessed
     from ...assessment.sections import by_sections
     from ...events import events
@@ -53,17 +55,21 @@ def command(folder: Path, sections: bool, as_json: bool, quiet: bool) -> None:
         run = responses_of(folder)
         table, found = assessed(run), events(run)
         cut = by_sections(run) if sections else None
+        beyond = outside(run, found)
     table.to_csv(folder / ASSESSMENT)
     write_events(found, folder)
     if cut is not None:
         cut.to_csv(folder / SECTIONS, index=False)
     if as_json:
-        print_json(assessment=table, events=found, **({} if cut is None else {"sections": cut}))
+        more = {} if cut is None else {"sections": cut}
+        print_json(assessment=table, events=found, range=beyond, **more)
     elif not quiet:
         console = Console()
         if not len(table):
             console.print("the system has nothing that a limit of the field is about")
             return
+        if beyond is not None:
+            console.print(f"{beyond}\n{OUTSIDE}", markup=False, highlight=False)
         print_whole(console, _shown(table))
         if cut is not None:
             print_whole(console, printable(cut[SHOWN], "by sections (EN 14363)"))
