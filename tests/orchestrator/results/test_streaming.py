@@ -171,7 +171,8 @@ print(len(run.time), run.completed, run.dataset.attrs["stopped"] == run.message)
 @pytest.mark.skipif(os.name != "posix", reason="limits as POSIX has them")
 def test_full_disk_is_reported_and_what_fits_is_kept(tmp_path):
     code = FULL.format(tests=TESTS, out=str(tmp_path), memory=SMALL)
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    command = [sys.executable, "-B", "-c", code]  # -B: else it caches torn modules
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
     message, state = done.stdout.splitlines()
     path = tmp_path / "results.nc"
     assert message.startswith(f"'{path}' cannot be written any further: file too large; stopped at")

@@ -93,7 +93,7 @@ def test_full_disk_ends_the_run_with_what_fits(tmp_path: Path) -> None:
     def limit() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (2_000_000, 2_000_000))
 
-    command = [sys.executable, "-m", "tracktrain", "run", "--duration", "8s"]
+    command = [sys.executable, "-B", "-m", "tracktrain", "run", "--duration", "8s"]
     command += ["--out", str(tmp_path)]
     done = subprocess.run(command, preexec_fn=limit, capture_output=True, text=True)
     assert done.returncode == 1
@@ -126,7 +126,7 @@ def test_full_disk_leaves_the_older_file_and_no_part_of_a_new_one(
         plot = ["plot", str(results), "-o", str(older)]
         command = plot if name == "rows.png" else ["convert", str(results), str(older)]
     done = subprocess.run(
-        [sys.executable, "-m", "tracktrain", *command],
+        [sys.executable, "-B", "-m", "tracktrain", *command],  # else it caches torn modules
         preexec_fn=limit,
         capture_output=True,
         text=True,
