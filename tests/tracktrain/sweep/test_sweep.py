@@ -317,6 +317,14 @@ def test_the_command_writes_table_and_pictures_and_refuses(tmp_path):
 
 
 @pytest.mark.slow
+def test_the_command_fails_where_every_run_did(tmp_path):
+    arguments = ["sweep", "--over", "speed=30mph", "--duration", "0.1s", "--out", str(tmp_path)]
+    result = CliRunner().invoke(main, [*arguments, "--set", "carbody.weight=1 kg"])
+    assert result.exit_code == 1
+    assert "no run came to its end; the first one: carbody" in result.output
+    assert (tmp_path / "sweep.csv").exists()
+
+
 def test_ctrl_c_keeps_what_is_done(tmp_path):
     command = [sys.executable, "-m", "tracktrain", "sweep", "--over", "seed=1:2000", "--workers"]
     running = subprocess.Popen(

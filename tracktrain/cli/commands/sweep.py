@@ -108,6 +108,9 @@ def command(
         print_json(runs=table)
     elif not quiet:
         _print(table, [axis.digest for axis in found], folder)
+    messages = [str(text) for text in table["message"].values.ravel()]
+    if messages and all(messages):
+        raise Stopped(f"no run came to its end; the first one: {messages[0]}")
 
 
 def _print(table: xr.Dataset, axes: list[str], folder: Path) -> None:
@@ -116,7 +119,7 @@ def _print(table: xr.Dataset, axes: list[str], folder: Path) -> None:
     console = Console()
     failed = [str(text) for text in table["message"].values.ravel() if text]
     print_whole(console, printable(digest(table), f"{table['done'].size} runs: {'; '.join(axes)}"))
-    if failed:
+    if failed and len(failed) < table["message"].size:
         note = f"note: {len(failed)} runs failed, as: {failed[0]}"
         console.print(note, style="dim", markup=False, highlight=False)
     for axis in idle_axes(table):
