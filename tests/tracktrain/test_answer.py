@@ -106,6 +106,20 @@ def test_a_run_that_went_out_after_its_coupling_failed_says_to_mend_that_first()
     assert "mend it first" in second.text
 
 
+def test_what_came_before_a_derailment_is_told_with_what_helps():
+    creep = {"outputs": ["left.saturation"], "largest": 1.0, "beyond": "creep forces"}
+    climb = {"outputs": ["left.climb"], "largest": 1.0, "beyond": "a climb", "void": True}
+    limits = [{**creep, "remedy": "take another law"}, {**climb, "remedy": "it derailed"}]
+    over = {
+        f"wheelset_11.left.{name}": ("time", np.where(np.arange(6000) < row, 0.5, 2.0))
+        for name, row in (("saturation", 1000), ("climb", 2000))
+    }
+    derailed = run_of().assign(over)
+    derailed.attrs["ranges"] = json.dumps({"wheelset_11": limits})
+    text = next(part.text for part in parts(derailed) if part.name == "range")
+    assert text.index("it derailed. Before that: creep forces") < text.index("take another law")
+
+
 def test_settling_leaves_the_transient_out():
     decaying = run_of() + run_of(rate=-1.0, amplitude=0.05)
     assert 2.0 < float(counted(decaying, None, settle=True).time[0]) < 20.0

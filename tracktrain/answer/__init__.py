@@ -14,7 +14,7 @@ import numpy as np
 from orchestrator import Level, Responses, Settling, State, Verdict, from_time, settling
 
 from ..car.hopper import layout_of
-from ..car.validity import Range, range_of
+from ..car.validity import Departure, Range, range_of
 from ..events import DERAILMENT, Event, events, nadal_rule
 from ..quantities import MOST
 from ..results import speeds
@@ -179,8 +179,11 @@ def _range(known: Range, happened: list[Event], unsure: bool) -> Part:
     said = []
     if beyond:
         worst, *others = beyond
-        more = [f"{d.limit.beyond} (from {d.time:.3g} s, worst {d.found})" for d in others]
+        # What came before a derailment may have led there: it is told with its remedy.
+        before = [d for d in others if worst.limit.void and d.row < worst.row]
+        more = [_in_short(d) for d in others if d not in before]
         said.append(f"{_capital(str(worst))}.")
+        said += [f"Before that: {_in_short(d)}; {d.limit.remedy}." for d in before]
         said += [f"Also outside: {'; '.join(more)}."] if more else []
         said += ["The coupling may be what led there; mend it first."] if unsure else []
     void = any(d.limit.void for d in beyond)
@@ -197,6 +200,11 @@ def _range(known: Range, happened: list[Event], unsure: bool) -> Part:
     else:
         level = Level.UNKNOWN if unknown or not known.looked_at else Level.GOOD
     return Part("range", level, " ".join(said))
+
+
+def _in_short(departure: Departure) -> str:
+    """What was beyond, since when, how far."""
+    return f"{departure.limit.beyond} (from {departure.time:.3g} s, worst {departure.found})"
 
 
 def _derailed(found: list[Event]) -> str:
