@@ -11,16 +11,16 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
-from math import tan
+from math import degrees, radians, tan
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator import Responses, in_unit
+from orchestrator import Provenance, Responses, in_unit
 
 from .car.hopper import layout_of
 from .car.layout import SIDES
@@ -28,16 +28,31 @@ from .rows import chunks
 
 Array = NDArray[np.float64]
 LIMITS = Path(__file__).parent / "assessment" / "limits.toml"
+LEAST_FLANGE = radians(45.0)
+"""Steepest contact [rad] below which a wheel has no flange, so that no angle of one is known."""
 DERAILMENT, ABOVE, LIFT = "derailment", "above Nadal", "wheel lift"
 
 
 @dataclass(frozen=True)
 class Nadal:
-    """The limit of a wheel's L/V, the way [m] over which it must be exceeded, and their source."""
+    """The limit of a wheel's L/V, the way [m] over which it must be exceeded, and their source.
+
+    flange_angle [rad], friction [1]: what the limit is of. assumed: whether the wheels are on
+    profiles whose flange angle the run does not tell.
+    """
 
     limit: float
     window: float
     source: str
+    flange_angle: float
+    friction: float
+    assumed: bool = False
+
+    @property
+    def given(self) -> str:
+        """What the limit is of, in words."""
+        own = ", for want of the profiles' own" if self.assumed else ""
+        return f"delta = {degrees(self.flange_angle):.3g} deg{own}, mu = {self.friction:.3g}"
 
 
 @dataclass(frozen=True)
@@ -79,19 +94,43 @@ def nadal(flange_angle: float, friction: float) -> float:
     return (tan(flange_angle) - friction) / (1 + friction * tan(flange_angle))
 
 
+def nadal_rule(dataset: Responses | None = None) -> Nadal:
+    """The rule of limits.toml, with the flange angle of a run's wheels on profiles.
+
+    The friction is that of the wheelset where it is more than the rule's. Of unlike wheelsets the
+    one with the least limit counts.
+    """
+    rule = _stated_rule()
+    if dataset is None:
+        return rule
+    said = Provenance.of(dataset)
+    of_wheelsets = (_of_wheelset(rule, dataset, said, a.wheelset) for a in layout_of(dataset).axles)
+    return min(of_wheelsets, key=lambda each: each.limit, default=rule)
+
+
+def _of_wheelset(rule: Nadal, dataset: Responses, said: Provenance, wheelset: str) -> Nadal:
+    angle = said.constants.get(f"{wheelset}.flange_angle")
+    flanged = angle is not None and angle >= LEAST_FLANGE
+    delta = angle if angle is not None and flanged else rule.flange_angle
+    own = float(said.parameters.get(f"{wheelset}.friction_coefficient", 0.0))
+    friction = max(rule.friction, own)
+    assumed = angle is None and f"{wheelset}.left.contact_angle" in dataset
+    limit = nadal(delta, friction)
+    return replace(rule, limit=limit, flange_angle=delta, friction=friction, assumed=assumed)
+
+
 @cache
-def nadal_rule() -> Nadal:
-    """The rule of limits.toml."""
+def _stated_rule() -> Nadal:
     said = tomllib.loads(LIMITS.read_text(encoding="utf-8"))
     angle, friction = (said["parameters"][name] for name in ("flange_angle", "friction"))
     rule = said["rules"]["wheel_l_over_v"]
-    limit = nadal(_si(angle, "rad"), _si(friction, "1"))
-    return Nadal(limit, _si(rule["window"], "m"), rule["source"])
+    delta, mu = _si(angle, "rad"), _si(friction, "1")
+    return Nadal(nadal(delta, mu), _si(rule["window"], "m"), rule["source"], delta, mu)
 
 
 def events(dataset: Responses) -> list[Event]:
     """All events of a run, in the order of their beginning; none of a system that is no car."""
-    layout = layout_of(dataset)
+    layout, rule = layout_of(dataset), nadal_rule(dataset)
     watched = [
         (kind, f"{axle.wheelset} {side}", name)
         for axle in layout.axles
@@ -105,14 +144,14 @@ def events(dataset: Responses) -> list[Event]:
     spells: dict[str, list[_Spell]] = {name: [] for _, _, name in watched}
     for first, values in chunks(dataset, list(spells)):
         for kind, _, name in watched:
-            _continue(spells[name], first, kind, values[name])
+            _continue(spells[name], first, kind, values[name], rule.limit)
     if not any(spells.values()):
         return []
     time = dataset["time"].values
     known = layout.distance in dataset
     way = dataset[layout.distance].values if known else np.full_like(time, np.nan)
     found = [
-        _event(time, way, kind, place, spell)
+        _event(time, way, kind, place, spell, rule.window)
         for kind, place, name in watched
         for spell in spells[name]
     ]
@@ -129,10 +168,10 @@ def _si(given: dict[str, Any], unit: str) -> float:
     return in_unit(f"{given['value']} {own}".strip(), unit, "limits.toml")
 
 
-def _continue(spells: list[_Spell], first: int, kind: str, values: Array) -> None:
+def _continue(spells: list[_Spell], first: int, kind: str, values: Array, limit: float) -> None:
     """Go on with rows that begin at `first`; the last spell may reach over from the rows before."""
     size = np.abs(values) if kind == ABOVE else np.zeros_like(values)
-    beyond = size > nadal_rule().limit if kind == ABOVE else values <= 0.0
+    beyond = size > limit if kind == ABOVE else values <= 0.0
     for start, stop in _runs(beyond):
         worst = float(size[start:stop].max())
         if spells and spells[-1].stop == first + start:
@@ -147,11 +186,11 @@ def _runs(true: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
     yield from zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
 
 
-def _event(time: Array, way: Array, kind: str, place: str, spell: _Spell) -> Event:
+def _event(time: Array, way: Array, kind: str, place: str, spell: _Spell, window: float) -> Event:
     """A spell as an event; one of Nadal's over his whole way is a derailment."""
     begin, end = spell.start, min(spell.stop, len(time) - 1)
     distance = float(way[end] - way[begin])
-    if kind == ABOVE and distance >= nadal_rule().window:
+    if kind == ABOVE and distance >= window:
         kind = DERAILMENT
     return Event(
         kind,

@@ -69,6 +69,11 @@ class Provenance:
         return self.read("parameters", {})
 
     @cached_property
+    def constants(self) -> dict[str, float]:
+        """What FMUs calculated of their parameters [their units], by "instance.variable"."""
+        return self.read("constants", {})
+
+    @cached_property
     def fmus(self) -> dict[str, dict[str, str]]:
         """File and SHA-256 by instance."""
         return self.read("fmus", {})

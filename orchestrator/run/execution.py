@@ -33,6 +33,7 @@ from ..system.system import System, Value
 from ..trust.findings import Evidence
 from .changes import Changes
 from .checkpoint import Checkpoint, Checkpoints, refuse_without_state, remove_checkpoint
+from .constants import constants
 from .context import Context
 from .initial_values import settle
 from .log import Logger, listener
@@ -391,6 +392,7 @@ class Execution:
                 "every": settings.every,
                 "fmu_tolerance": settings.fmu_tolerance,
                 REQUEST: written_request(c),
+                "constants": constants(c.slaves) or None,
             },
             [*self.notes, *c.notes],
             self.evidence.attributes(),

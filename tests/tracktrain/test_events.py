@@ -52,6 +52,46 @@ def test_nadal_stands_as_the_rule_of_the_assessment_has_it():
     assert "49 CFR 213.333" in nadal_rule().source
 
 
+def on_profiles(run, angle=70.0, friction=0.4, wheelset="wheelset_12"):
+    """The run with one wheelset on profiles with this flange angle [deg]."""
+    constants = {f"{wheelset}.flange_angle": np.radians(angle)}
+    parameters = {f"{wheelset}.friction_coefficient": friction}
+    said = {"constants": json.dumps(constants), "parameters": json.dumps(parameters)}
+    return run.assign_attrs(said)
+
+
+@pytest.mark.parametrize(
+    ("angle", "friction", "counts"), [(70, 0.4, 0.5), (70, 0.6, 0.6), (65, 0.5, 0.5)]
+)
+def test_the_limit_is_of_the_flange_that_the_run_has_and_of_no_less_friction(
+    angle, friction, counts
+):
+    rule = nadal_rule(on_profiles(run_of(), angle, friction))
+    closed = (np.tan(np.radians(angle)) - counts) / (1 + counts * np.tan(np.radians(angle)))
+    assert rule.limit == pytest.approx(closed)
+    assert rule.given == f"delta = {angle} deg, mu = {counts}"
+
+
+def test_a_wheel_between_the_limits_of_two_flanges_derails_on_the_less_steep_one():
+    run = run_of(ratio=range(10, 40))
+    run["wheelset_11.left.l_over_v"] = run["wheelset_11.left.l_over_v"] * (1.0 / 1.5 / LIMIT)
+    assert events(run) == []
+    (event,) = events(on_profiles(run))
+    assert event.kind == DERAILMENT
+    assert "delta = 70 deg, mu = 0.5" in next(
+        part.text for part in parts(on_profiles(run)) if part.name == "range"
+    )
+
+
+def test_wheels_without_flanges_keep_the_angle_of_the_rule():
+    assert pytest.approx(LIMIT) == nadal_rule(on_profiles(run_of(), angle=3.0)).limit
+
+
+def test_profiles_that_do_not_tell_their_angle_are_said_to_have_none():
+    run = run_of().assign({"wheelset_11.left.contact_angle": ("time", np.zeros(100))})
+    assert "for want of the profiles' own" in nadal_rule(run).given
+
+
 def test_a_wheel_without_load_is_lifted_for_as_long_as_it_has_none():
     first, second = events(run_of(lifted=[20, 21, 22, 50]))
     assert (first.kind, first.time, first.duration) == (

@@ -15,7 +15,7 @@ from orchestrator import Level, Responses, Settling, State, Verdict, from_time, 
 
 from ..car.hopper import layout_of
 from ..car.validity import Departure, Range, range_of
-from ..events import DERAILMENT, Event, events, nadal_rule
+from ..events import DERAILMENT, Event, Nadal, events, nadal_rule
 from ..quantities import MOST
 from ..results import speeds
 from .numbers import of_numbers
@@ -62,7 +62,7 @@ def parts(
         # A run that began outside is not mended by what is said of its coupling.
         began = any(d.row == 0 and not d.at_edge for d in known.departures)
         unsure = verdict is not None and verdict.level is Level.BAD and not began
-        found.insert(0 if began else 1, _range(known, events(whole), unsure))
+        found.insert(0 if began else 1, _range(known, events(whole), unsure, nadal_rule(whole)))
     if _is_car(dataset):
         found.append(Part("numbers", *of_numbers(dataset)))
     return sorted(found, key=lambda part: ORDER.index(part.level))
@@ -73,7 +73,7 @@ def outside(dataset: Responses, happened: list[Event]) -> Part | None:
 
     happened: its events.
     """
-    found = _range(range_of(dataset), happened, unsure=False)
+    found = _range(range_of(dataset), happened, False, nadal_rule(dataset))
     return found if found.level in (Level.BAD, Level.DOUBTFUL) else None
 
 
@@ -171,7 +171,7 @@ def _settled(found: dict[str, Settling], stands: Standing | None, span: float) -
     return Level.DOUBTFUL, f"Too short for statistics of {', '.join(unsettled)}; {todo}.{more}"
 
 
-def _range(known: Range, happened: list[Event], unsure: bool) -> Part:
+def _range(known: Range, happened: list[Event], unsure: bool, rule: Nadal) -> Part:
     """unsure: whether the coupling may have led the run there."""
     beyond = [d for d in known.departures if not d.at_edge]
     derailed = [event for event in happened if event.kind == DERAILMENT]
@@ -188,7 +188,7 @@ def _range(known: Range, happened: list[Event], unsure: bool) -> Part:
         said += ["The coupling may be what led there; mend it first."] if unsure else []
     void = any(d.limit.void for d in beyond)
     if derailed:
-        said.insert(len(said) if void else 0, _capital(_derailed(derailed)))
+        said.insert(len(said) if void else 0, _capital(_derailed(derailed, rule)))
     if not said and known.looked_at:
         said.append("The run stayed inside the limits that its FMUs state.")
     said += [f"{_capital(str(d))}." for d in known.departures if d.at_edge]
@@ -207,13 +207,12 @@ def _in_short(departure: Departure) -> str:
     return f"{departure.limit.beyond} (from {departure.time:.3g} s, worst {departure.found})"
 
 
-def _derailed(found: list[Event]) -> str:
+def _derailed(found: list[Event], rule: Nadal) -> str:
     """The first derailment, and what to do about it."""
-    rule = nadal_rule()
     more = f", and {len(found) - 1} more" if len(found) > 1 else ""
     return (
         f"{found[0]}{more}; Nadal's limit is {rule.limit:.3g} over {rule.window:.3g} m "
-        f"({rule.source}). "
+        f"({rule.source}; {rule.given}). "
         "No flange climbs in this model: what follows means nothing; lower the speed, or look at "
         "the track there."
     )

@@ -72,11 +72,18 @@ def _row(car: Car | NotApplicableError, rule: Rule) -> dict[str, Any] | None:
         "statistic": rule.statistic,
         "filter": str(rule.band or ""),
         "window": str(rule.window or ""),
-        "formula": rule.formula,
+        "formula": _formula(car, rule),
         "source": rule.source,
         "verified": rule.verified,
         "quote": rule.quote,
     }
+
+
+def _formula(car: Car | NotApplicableError, rule: Rule) -> str:
+    """How the limit is found; of Nadal's with the numbers of the run's wheels."""
+    if rule.key != "wheel_l_over_v" or isinstance(car, NotApplicableError):
+        return rule.formula
+    return f"{rule.formula}, {car.nadal.given}"
 
 
 def _found(car: Car | NotApplicableError, rule: Rule) -> dict[str, object]:

@@ -13,6 +13,7 @@ from orchestrator import Provenance, Responses, Signal, dominant_frequency
 
 from ..car.hopper import layout_of
 from ..car.layout import SIDES, Axle, Truck
+from ..events import Nadal, nadal_rule
 from ..geometry.sections import Section, curves, sections
 from ..rows import together
 from ..scales import REST
@@ -159,6 +160,11 @@ class Car:
     def axle_acceleration(self, axle: Axle) -> Array:
         """Lateral acceleration of a wheelset and of the side frames above it [m/s2]."""
         return np.gradient(self[f"{axle.port}.vy"], 1 / self.rate)
+
+    @cached_property
+    def nadal(self) -> Nadal:
+        """The rule for a wheel's L/V, of the wheels of the run."""
+        return nadal_rule(self._dataset)
 
     def static_axle_load(self, truck: Truck) -> float:
         """[N]"""

@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from ..car.layout import SIDES, Axle, Truck
-from ..events import nadal_rule
 from . import windows
 from .car import Array, Car
 from .rules import NotApplicableError, Rule, parameter, to_si
@@ -45,7 +44,7 @@ def limit(*keys: str) -> Callable[[Formula], Formula]:
 
 @limit("wheel_l_over_v")
 def _nadal(car: Car) -> float:
-    return nadal_rule().limit
+    return car.nadal.limit
 
 
 @limit("net_axle_l_over_v")

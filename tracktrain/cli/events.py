@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from ..events import DERAILMENT, gravest, nadal_rule
+from ..events import DERAILMENT, gravest
 from ..scales import three_digits
 from ..terminal import print_whole
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from ..events import Event
+    from ..events import Event, Nadal
 
 EVENTS = "events.csv"
 COLUMNS = {
@@ -48,7 +48,7 @@ def write_events(found: list[Event], folder: Path) -> None:
         writer.writerows([getattr(event, name) for name in COLUMNS] for event in found)
 
 
-def print_events(console: Console, found: list[Event]) -> None:
+def print_events(console: Console, found: list[Event], rule: Nadal) -> None:
     """A table of the gravest events; nothing where there are none."""
     if not found:
         return
@@ -67,8 +67,9 @@ def print_events(console: Console, found: list[Event]) -> None:
             style="bold red" if event.kind == DERAILMENT else "",
         )
     print_whole(console, shown)
-    rule = nadal_rule()
-    said = f"Nadal's limit {rule.limit:.3g}, over {rule.window:.3g} m ({rule.source})"
+    said = (
+        f"Nadal's limit {rule.limit:.3g} ({rule.given}), over {rule.window:.3g} m ({rule.source})"
+    )
     rest = f"{len(found) - MOST} more events: {EVENTS}; " if len(found) > MOST else ""
     console.print(f"{rest}{said}", style="dim", markup=False, highlight=False)
 

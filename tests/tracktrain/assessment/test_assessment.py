@@ -93,6 +93,16 @@ def test_steady_ratio_and_load_are_found_as_they_are() -> None:
     assert row(table, "aar_axle_sum")["value"] == pytest.approx(1.4)
 
 
+def test_a_ratio_is_judged_by_the_flange_that_the_wheels_have() -> None:
+    data = motion(4.0, ratio=1.0, frequency=0.5)
+    assert row(assess(data), "wheel_l_over_v")["result"] == "passed"
+    data.attrs["constants"] = json.dumps({"wheelset_11.flange_angle": np.deg2rad(70)})
+    found = row(assess(data), "wheel_l_over_v")
+    assert found["limit"] == pytest.approx(nadal(np.deg2rad(70), 0.5))
+    assert found["result"] == "exceeded"
+    assert found["formula"].endswith(", delta = 70 deg, mu = 0.5")
+
+
 def test_unloading_is_judged_by_its_share_of_what_is_admissible() -> None:
     table = assess(motion(4.0, load=0.9, frequency=0.5))
     found = row(table, "aar_wheel_unloading")

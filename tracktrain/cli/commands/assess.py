@@ -46,7 +46,7 @@ def command(folder: Path, sections: bool, as_json: bool, quiet: bool) -> None:
     from ...answer import outside
     from ...assessment import assess as assessed
     from ...assessment.sections import by_sections
-    from ...events import events
+    from ...events import events, nadal_rule
     from ...results import responses_of
     from ...terminal import print_whole, printable, told
     from ..events import print_events, write_events
@@ -83,7 +83,7 @@ def command(folder: Path, sections: bool, as_json: bool, quiet: bool) -> None:
                 markup=False,
                 highlight=False,
             )
-        print_events(console, found)
+        print_events(console, found, nadal_rule(run))
         console.print("for comparison: the rule is for other vehicles, track or speeds (its scope)")
         console.print("≥ the least value that is allowed; other limits are the largest")
         console.print("* not verified: recalled from the source, check it before quoting it")

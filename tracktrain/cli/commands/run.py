@@ -332,6 +332,7 @@ def _judged(result: Run, counting: Counting) -> Told:
 
 def _say(told: Told, result: Run, folder: Path, lost: list[str], form: str) -> None:
     """Say the verdict in parts in the results, and with the statistics at the end, in a form."""
+    from ...events import nadal_rule
     from ..events import print_events, write_events
     from ..summary import numbers, print_summary
 
@@ -353,7 +354,7 @@ def _say(told: Told, result: Run, folder: Path, lost: list[str], form: str) -> N
         return
     console = Console()
     print_summary(console, result, told.counted)
-    print_events(console, told.events)
+    print_events(console, told.events, nadal_rule(told.counted))
     chosen = [n for n in notes if form == VERBOSE or not isinstance(n, orchestrator.Detail)]
     for note in chosen:
         console.print(f"note: {note}", style="dim", markup=False, highlight=False)
