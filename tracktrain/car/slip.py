@@ -92,8 +92,10 @@ def remarks(dataset: Responses) -> list[str]:
     """Sentences on friction that is never or always at its limit."""
     found = slips(dataset)
     said = {
-        "friction that never slips, so that its limit, of which this was used, has no say": [
-            (slip, f"{slip.used:.0%}") for slip in found if slip.moved and not slip.slipping
+        "friction that never slips, so that a higher limit has no say; used of it at most": [
+            (slip, f"{min(round(100.0 * slip.used), 99)}%")
+            for slip in found
+            if slip.moved and not slip.slipping
         ],
         "friction that all but always slips, so that its stiffness has no say": [
             (slip, f"{slip.slipping:.0%} of the time") for slip in found if slip.slipping >= ALWAYS

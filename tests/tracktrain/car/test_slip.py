@@ -40,6 +40,11 @@ def test_friction_below_its_limit_never_slips_and_says_how_much_was_used():
     )
 
 
+def test_a_share_that_never_reached_the_limit_is_not_rounded_to_all_of_it():
+    (held, _) = remarks(run_of(0.999 * np.sin(np.linspace(0, 9, 101))))
+    assert "warp (truck_front 99%)" in held
+
+
 def test_friction_that_only_rounding_works_is_not_excited():
     (still,) = remarks(run_of(1e-13 * np.sin(np.linspace(0, 9, 101))))
     assert still.startswith("friction that is not excited") and "warp (truck_front)" in still
