@@ -128,3 +128,8 @@ def test_a_run_says_which_curve_it_went_through(curve):
     (said,) = remarks(curve[1].dataset)
     assert "curve to the left, radius 500 m" in said
     assert "cant 50 mm (1.97 in), cant deficiency" in said
+    faster = curve[1].dataset.copy()
+    faster["track.frame.ay"] = 3 * faster["track.frame.ay"]
+    (beyond,) = remarks(faster)
+    assert beyond.endswith("more than the 76 mm (3.00 in) of 49 CFR 213.57 (c)")
+    assert "213.57" not in said

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import tomllib
+from functools import cache
+
 import numpy as np
 
-from orchestrator import Responses
+from orchestrator import Responses, in_unit
 
+from ..events import LIMITS
 from ..geometry.sections import Section, curves, sections
 from ..rows import chunks
 from ..scales import FOOT, MILE_PER_HOUR
@@ -16,6 +20,13 @@ GRAVITY = 9.80665
 INCH = FOOT / 12
 SPACING = 2 * 0.75565
 """Distance of the rails over which a cant deficiency is measured [m]: 59.5 in."""
+
+
+@cache
+def allowed() -> float:
+    """The cant deficiency [m] that all vehicles may have by 49 CFR 213.57 (c)."""
+    said = tomllib.loads(LIMITS.read_text(encoding="utf-8"))["rules"]["fra_cant_deficiency"]
+    return in_unit(f"{said['limit']['value']} {said['limit']['unit']}", "m", LIMITS.name)
 
 
 def remarks(dataset: Responses) -> list[str]:
@@ -42,11 +53,12 @@ def _sense(section: Section, asked: float) -> float:
 
 def _said(section: Section, deficiency: float, speed: float) -> str:
     kind = "deficiency" if deficiency >= 0 else "excess"
+    beyond = f", more than the {_both(allowed())} of 49 CFR 213.57 (c)"
     return (
         f"curve to the {section.direction}, radius {section.radius:.4g} m "
         f"({section.radius / FOOT:.4g} ft), from {section.first:.0f} to {section.last:.0f} m: cant "
         f"{_both(section.cant)}, cant {kind} {_both(abs(deficiency))} at {speed:.3g} m/s "
-        f"({speed / MILE_PER_HOUR:.3g} mph)"
+        f"({speed / MILE_PER_HOUR:.3g} mph){beyond if deficiency > allowed() else ''}"
     )
 
 
