@@ -125,6 +125,21 @@ def test_a_derailment_makes_the_range_bad_and_says_what_to_do():
     assert "lower the speed" in ranged.text
 
 
+def test_what_came_before_a_derailment_by_nadal_is_told_with_what_helps():
+    limits = [
+        {"outputs": ["left.clearance"], "largest": 1.0, "beyond": "flanges", "remedy": "none"},
+        {"outputs": ["left.saturation"], "largest": 1.0, "beyond": "creep", "remedy": "a law"},
+    ]
+    made = run_of(ratio=range(10, 40))
+    rows = np.arange(made.sizes["time"])
+    for row, name in ((2, "clearance"), (5, "saturation")):
+        made[f"wheelset_11.left.{name}"] = ("time", np.where(rows < row, 0.5, 2.0))
+    made.attrs["ranges"] = json.dumps({"wheelset_11": limits})
+    text = next(part.text for part in parts(made) if part.name == "range")
+    assert text.startswith("Derailment: ") and "This may have led there: creep" in text
+    assert "; a law." in text
+
+
 def test_assess_prints_the_events_and_leaves_them_as_a_table(tmp_path):
     run_of(ratio=range(10, 40)).to_netcdf(tmp_path / "results.nc")
     said = CliRunner().invoke(main, ["assess", str(tmp_path)], terminal_width=120)

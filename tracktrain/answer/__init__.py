@@ -180,10 +180,11 @@ def _range(known: Range, happened: list[Event], unsure: bool, rule: Nadal) -> Pa
     if beyond:
         worst, *others = beyond
         # What came before a derailment may have led there: it is told with its remedy.
-        before = [d for d in others if worst.limit.void and d.row < worst.row]
+        last = worst.time if worst.limit.void else max((e.time for e in derailed), default=0.0)
+        before = [d for d in others if d.time < last]
         more = [_in_short(d) for d in others if d not in before]
         said.append(f"{_capital(str(worst))}.")
-        said += [f"Before that: {_in_short(d)}; {d.limit.remedy}." for d in before]
+        said += [f"This may have led there: {_in_short(d)}; {d.limit.remedy}." for d in before]
         said += [f"Also outside: {'; '.join(more)}."] if more else []
         said += ["The coupling may be what led there; mend it first."] if unsure else []
     void = any(d.limit.void for d in beyond)

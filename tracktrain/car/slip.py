@@ -30,6 +30,9 @@ FOLLOWS = {
 ROUNDING = 1e-9
 """Share of a limit that does not count."""
 
+SLIPPING = 0.999
+"""Share of a limit from which an element slips: its force is given a little beside its state."""
+
 ALWAYS = 0.95
 """Share of the rows from which an element counts as one that always slips."""
 
@@ -72,7 +75,7 @@ def slips(dataset: Responses) -> list[Slip]:
     for _, values in chunks(dataset, list(limits)):
         for name, force in values.items():
             share = np.abs(force) / limits[name][2]
-            counts[name] += int(np.count_nonzero(share >= 1.0 - ROUNDING))
+            counts[name] += int(np.count_nonzero(share >= SLIPPING))
             used[name] = max(used[name], float(share.max()))
             least[name], most[name] = min(least[name], force.min()), max(most[name], force.max())
     rows = max(dataset.sizes["time"], 1)

@@ -41,8 +41,12 @@ def test_friction_below_its_limit_never_slips_and_says_how_much_was_used():
 
 
 def test_a_share_that_never_reached_the_limit_is_not_rounded_to_all_of_it():
-    (held, _) = remarks(run_of(0.999 * np.sin(np.linspace(0, 9, 101))))
+    (held, _) = remarks(run_of(0.9989 * np.sin(np.linspace(0, 9, 101))))
     assert "warp (truck_front 99%)" in held
+
+
+def test_a_force_that_is_given_a_little_below_its_limit_slips():
+    assert not any("warp" in said for said in remarks(run_of(0.9996 * np.sin(np.arange(101)))))
 
 
 def test_friction_that_only_rounding_works_is_not_excited():
