@@ -124,8 +124,8 @@ def _stated_rule() -> Nadal:
     said = tomllib.loads(LIMITS.read_text(encoding="utf-8"))
     angle, friction = (said["parameters"][name] for name in ("flange_angle", "friction"))
     rule = said["rules"]["wheel_l_over_v"]
-    delta, mu = _si(angle, "rad"), _si(friction, "1")
-    return Nadal(nadal(delta, mu), _si(rule["window"], "m"), rule["source"], delta, mu)
+    delta, mu = in_si(angle, "rad"), in_si(friction, "1")
+    return Nadal(nadal(delta, mu), in_si(rule["window"], "m"), rule["source"], delta, mu)
 
 
 def events(dataset: Responses) -> list[Event]:
@@ -163,7 +163,8 @@ def gravest(found: list[Event]) -> list[Event]:
     return sorted(found, key=lambda event: (event.kind != DERAILMENT, -event.duration))
 
 
-def _si(given: dict[str, Any], unit: str) -> float:
+def in_si(given: dict[str, Any], unit: str) -> float:
+    """A number of limits.toml in a unit of SI."""
     own = "" if given["unit"] == "1" else given["unit"]
     return in_unit(f"{given['value']} {own}".strip(), unit, "limits.toml")
 

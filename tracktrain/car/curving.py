@@ -7,9 +7,9 @@ from functools import cache
 
 import numpy as np
 
-from orchestrator import Responses, in_unit
+from orchestrator import Responses
 
-from ..events import LIMITS
+from ..events import LIMITS, in_si
 from ..geometry.sections import Section, curves, sections
 from ..rows import chunks
 from ..scales import FOOT, MILE_PER_HOUR
@@ -26,7 +26,7 @@ SPACING = 2 * 0.75565
 def allowed() -> float:
     """The cant deficiency [m] that all vehicles may have by 49 CFR 213.57 (c)."""
     said = tomllib.loads(LIMITS.read_text(encoding="utf-8"))["rules"]["fra_cant_deficiency"]
-    return in_unit(f"{said['limit']['value']} {said['limit']['unit']}", "m", LIMITS.name)
+    return in_si(said["limit"], "m")
 
 
 def remarks(dataset: Responses) -> list[str]:
