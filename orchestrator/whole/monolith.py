@@ -23,6 +23,7 @@ from ..plan.plan import Plan, feedthrough
 from ..results.netcdf import STOPPED
 from ..results.provenance import provenance
 from ..results.run import Run, Statistics
+from ..run.constants import constants
 from ..run.grid import Grid, make_grid
 from ..run.log import Logger, listener
 from ..run.outcome import Kind, Outcome
@@ -71,6 +72,13 @@ def monolith(
         rows = np.full((grid.steps + 1, len(plan.columns)), np.nan)
         opened = [(i, v) for i, v in plan.open_inputs if v.kind == "real"]
         constant = np.array([models[i].inputs([v], plan.values[i])[0] for i, v in opened])
+        how = {
+            "master": "monolith",
+            "tolerance": tolerance,
+            "step": grid.step,
+            "start": grid.start,
+            "constants": constants(models) or None,
+        }
         wall_load = clock.perf_counter() - begin
         done, message = _integrate(whole, grid, tolerance, rows, progress)
     wall = clock.perf_counter() - begin - wall_load
@@ -83,7 +91,7 @@ def monolith(
         variables=[(plan.name(i, v), v) for i, v in named],
         attributes=provenance(
             plan,
-            {"master": "monolith", "tolerance": tolerance, "step": grid.step, "start": grid.start},
+            how,
             [*notes, *plan.notes],
             {STOPPED: message},
         ),
