@@ -130,7 +130,7 @@ if __name__ == "__main__":
     PICTURES.mkdir(exist_ok=True)
     coupling().savefig(PICTURES / "coupling.png", dpi=120)
     run = simulate(hopper_car(), duration=DURATION)
-    plot_displacement(run.dataset).savefig(PICTURES / "displacement.png", dpi=120)
+    plot_displacement(run.dataset).savefig(PICTURES / "displacement.png")
     for name, picture in structure().pictures.items():
         if name != "transfer_functions":
             picture.savefig(PICTURES / f"structure_{name}.png", dpi=110)

@@ -15,7 +15,8 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from .car.layout import Shown
-from .plots import BLUE, GREEN, PURPLE, RED, STYLE, column, envelope
+from .figures import column
+from .plots import BLUE, GREEN, PURPLE, RED, STYLE, envelope
 from .spectra import spectrum
 
 Array = NDArray[np.float64]

@@ -1,26 +1,23 @@
 """Panels one below the other, drawn with few artists: curves over the same x, rulers, a title.
 
 matplotlib's own axes make five artists of every mark, which takes most of the time of a picture.
-Here a ruler has two, and a text for each number, all of them placed in points on the figure.
+Here a ruler has two, and a text for each number, all of them placed in points on the sheet.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from matplotlib import rcParams
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.markers import TICKDOWN, TICKLEFT, TICKRIGHT, TICKUP
+from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
-from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
-INCH = 72.0
-"""[pt]"""
+from .sheets import Sheet
 
 MARK, NUMBER, LABEL, BESIDE = 3.5, 7.0, 19.0, 38.0
 """From a side [pt]: end of a mark, number, label above or below, label left or right."""
@@ -57,22 +54,17 @@ TOP = Side(False, 1, TICKUP, 9, {"ha": "center", "va": "bottom"})
 
 @dataclass
 class Panel:
-    """A place on a figure, and what is shown there.
+    """A place on a sheet, and what is shown there.
 
-    across, up: where it begins and ends from the figure's lower left corner [pt]. x, y: least and
+    across, up: where it begins and ends from the sheet's lower left corner [pt]. x, y: least and
     most that is shown.
     """
 
-    figure: Figure
+    sheet: Sheet
     across: tuple[float, float]
     up: tuple[float, float]
     x: tuple[float, float]
     y: tuple[float, float]
-
-    @cached_property
-    def _points(self) -> Any:
-        """From points on the figure to its pixels."""
-        return Affine2D().scale(1.0 / INCH) + self.figure.dpi_scale_trans
 
     def curve(self, x: Any, y: Any, **style: Any) -> None:
         """Draw a line through points."""
@@ -134,10 +126,10 @@ class Panel:
         )
 
     def _line(self, x: Any, y: Any, **style: Any) -> None:
-        self.figure.add_artist(Line2D(x, y, transform=self._points, **style))
+        self.sheet.add(Line2D(x, y, **style))
 
     def _text(self, x: float, y: float, text: str, **style: Any) -> None:
-        self.figure.text(x, y, text, transform=self._points, **style)
+        self.sheet.add(Text(x, y, text, **style))
 
 
 def limits_of(values: Array, margin: float = 0.0) -> tuple[float, float]:

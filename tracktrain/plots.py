@@ -1,4 +1,4 @@
-"""Pictures of a run: each function draws one figure from the dataset and changes nothing."""
+"""Pictures of a run: each function draws one sheet from the dataset and changes nothing."""
 
 from __future__ import annotations
 
@@ -9,17 +9,16 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from orchestrator import Responses
 
 from .car.hopper import layout_of
 from .curves import extremes
-from .panels import BOTTOM, INCH, LEFT, RIGHT, TOP, Panel, limits_of
+from .panels import BOTTOM, LEFT, RIGHT, TOP, Panel, limits_of
 from .results import mean_speed, speeds
 from .rows import together
 from .scales import ACCELERATION, ANGLE, DISPLACEMENT, FOOT, FORCE, MILE_PER_HOUR, Scale
+from .sheets import INCH, Sheet
 
 INK, MUTED, GRID = "#1c2733", "#6b7785", "#dfe4ea"
 BLUE, RED, GREEN, PURPLE = "#1f5fa8", "#c0432c", "#2f7d4f", "#6d4c9f"
@@ -42,7 +41,7 @@ STYLE: Any = {
     "ytick.labelcolor": INK,
 }
 WIDTH, SIDE, FOOT_ROOM, GAP = 9.0, 0.95, 0.5, 0.18
-"""Of a figure, of the margins left and right, below, and between panels [in]."""
+"""Of a sheet, of the margins left and right, below, and between panels [in]."""
 
 MARGIN = 0.08
 """Room above and below a curve, in its height."""
@@ -52,10 +51,6 @@ ABOVE = 35.0
 
 POINTS = 4000
 """A line of more samples is drawn as the envelope of about this many."""
-
-
-COMPRESSION = 1
-"""Of a picture's file, of 9: half the time of the usual 6, and a seventh more bytes."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +85,7 @@ USUAL = Size()
 
 
 @mpl.rc_context(STYLE)
-def plot_lateral_force(dataset: Responses) -> Figure:
+def plot_lateral_force(dataset: Responses) -> Sheet:
     """Lateral wheel/rail force on the leading axle against time, as report Figure 6-1."""
     name = layout_of(dataset).quantities["force"].variable
     force = Curve(_values(dataset, name), "lateral force", FORCE)
@@ -98,7 +93,7 @@ def plot_lateral_force(dataset: Responses) -> Figure:
 
 
 @mpl.rc_context(STYLE)
-def plot_displacement(dataset: Responses) -> Figure:
+def plot_displacement(dataset: Responses) -> Sheet:
     """Leading axle's lateral displacement from the rails against time, as report Figure 6-2."""
     name = layout_of(dataset).quantities["displacement"].variable
     gap = Curve(_values(dataset, name), "displacement", DISPLACEMENT, RED)
@@ -107,7 +102,7 @@ def plot_displacement(dataset: Responses) -> Figure:
 
 
 @mpl.rc_context(STYLE)
-def plot_track(dataset: Responses) -> Figure:
+def plot_track(dataset: Responses) -> Sheet:
     """Irregularities under the leading axle against the distance run, without the empty ones."""
     layout = layout_of(dataset)
     rail = {side: _values(dataset, name) for side, name in layout.rails.items()}
@@ -126,18 +121,18 @@ def plot_track(dataset: Responses) -> Figure:
     size = Size(top=0.8, title=ABOVE)
     panels = _panels(distance, "distance run [m]", drawn or channels[:1], title, size)
     panels[0].rule(TOP, "distance run [ft]", 1.0 / FOOT)
-    return panels[0].figure
+    return panels[0].sheet
 
 
 @mpl.rc_context(STYLE)
-def plot_carbody(dataset: Responses) -> Figure:
+def plot_carbody(dataset: Responses) -> Sheet:
     """Carbody's lateral, roll and yaw motion and its accelerations against time."""
     carbody = layout_of(dataset).carbody
     curves = [
         Curve(_values(dataset, f"{carbody}.cg.{name}"), *shown) for name, shown in MOTIONS.items()
     ]
     title = _with_speed("Carbody at its centre of gravity", dataset)
-    return _panels(_values(dataset, "time"), "time [s]", curves, title)[0].figure
+    return _panels(_values(dataset, "time"), "time [s]", curves, title)[0].sheet
 
 
 MOTIONS = {
@@ -149,7 +144,7 @@ MOTIONS = {
 }
 """What is drawn of the carbody: label, scale, colour."""
 
-PICTURES: dict[str, Callable[[Responses], Figure]] = {
+PICTURES: dict[str, Callable[[Responses], Sheet]] = {
     "lateral_force.png": plot_lateral_force,
     "displacement.png": plot_displacement,
     "track.png": plot_track,
@@ -164,16 +159,15 @@ def write_pictures(dataset: Responses, folder: Path) -> list[Path]:
     together(dataset, [*drawn, *(f"{layout.carbody}.cg.{name}" for name in MOTIONS)])
     for name, plot in PICTURES.items():
         try:
-            figure = plot(dataset)
+            sheet = plot(dataset)
         except KeyError:  # an FMU that stands in for a block need not have all its outputs
             continue
-        with mpl.rc_context(STYLE):
-            figure.savefig(folder / name, pil_kwargs={"compress_level": COMPRESSION})
+        sheet.savefig(folder / name)
         written.append(folder / name)
     return written
 
 
-def _response(dataset: Responses, curve: Curve, title: str) -> Figure:
+def _response(dataset: Responses, curve: Curve, title: str) -> Sheet:
     rms = float(np.sqrt(np.mean(curve.values**2)))
     peak = float(np.max(np.abs(curve.values)))
     said = (
@@ -185,7 +179,7 @@ def _response(dataset: Responses, curve: Curve, title: str) -> Figure:
     for level in (rms, -rms):
         value = level * curve.scale.factor
         panels[0].curve(panels[0].x, (value, value), color=MUTED, lw=0.9, ls=(0, (5, 3)))
-    return panels[0].figure
+    return panels[0].sheet
 
 
 def _panels(
@@ -197,13 +191,13 @@ def _panels(
     """
     pitch = size.height + GAP
     height = size.top + pitch * len(curves) - GAP + FOOT_ROOM
-    figure = Figure(figsize=(WIDTH, height))
+    sheet = Sheet(WIDTH, height, STYLE["savefig.dpi"])
     panels = []
     for number, curve in enumerate(curves):
         last = number == len(curves) - 1
         top = height - size.top - pitch * number
         panel = Panel(
-            figure,
+            sheet,
             (SIDE * INCH, (WIDTH - SIDE) * INCH),
             ((top - size.height) * INCH, top * INCH),
             limits_of(x),
@@ -228,17 +222,6 @@ def envelope(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     rest = np.arange(len(x) // width * width, len(x))
     kept = np.append(extremes(y, width), rest)
     return x[kept], y[kept]
-
-
-def column(count: int, height: float, room: float = 0.9) -> tuple[Figure, list[Axes]]:
-    """Axes one below the other over the same x: the height of each, and of the room around [in]."""
-    figure = Figure(figsize=(WIDTH, room + height * count), layout="constrained")
-    return figure, list(figure.subplots(count, sharex=True, squeeze=False)[:, 0])
-
-
-def conversion(factor: float) -> tuple[Callable[[Any], Any], Callable[[Any], Any]]:
-    """Functions that turn an axis's values into those of a second axis, and back."""
-    return (lambda value: value * factor), (lambda value: value / factor)
 
 
 def _values(dataset: Responses, name: str) -> np.ndarray:

@@ -8,7 +8,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..plots import BLUE, INK, MUTED, RED, STYLE, column
+from ..figures import column
+from ..plots import BLUE, INK, MUTED, RED, STYLE
 from ..plots import envelope as drawable
 from ..quantities import shown_unit
 from .evidence import Array

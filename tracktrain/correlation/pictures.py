@@ -9,7 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..plots import BLUE, GREEN, MUTED, PURPLE, RED, STYLE, column
+from ..figures import column
+from ..plots import BLUE, GREEN, MUTED, PURPLE, RED, STYLE
 from ..plots import envelope as drawable
 from .channels import Matched
 from .conditioning import Conditioned

@@ -16,8 +16,9 @@ from fmus.track.recorded_data import TrackData
 from fmus.track.spectra import CHANNELS
 
 from ..correlation.spectra import Spectrum
+from ..figures import column, conversion
 from ..geometry.spectra import PUBLISHED, published
-from ..plots import BLUE, INK, MUTED, RED, STYLE, column, conversion, envelope
+from ..plots import BLUE, INK, MUTED, RED, STYLE, envelope
 from ..scales import FOOT
 from .densities import density
 from .federal import Measure

@@ -197,7 +197,8 @@ def chosen_car(shape: Shape) -> System:
         notes += said
     for instance, coordinate, value in shape.initials:
         system = changes.displaced(system, instance, coordinate, value)
-    system = changes.with_settings(system, shape.settings)
+    for instance, name, value in shape.settings:
+        system = changes.assigned(system, instance, name, value)
     stop = DURATION
     if shape.speed_profile is not None:
         instance, name = hopper.layout_of(system).track, "speed"
@@ -310,7 +311,8 @@ def chosen_file(
     from ..car import changes
 
     system = read_ssp(path, variant, folder=unpacked)
-    system = changes.with_settings(system, shape.settings)
+    for instance, name, value in shape.settings:
+        system = changes.assigned(system, instance, name, value)
     port_maps = _port_maps(shape)
     for instance, _, fmu in shape.swaps:
         path = fmu_of(fmu)

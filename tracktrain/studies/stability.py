@@ -34,6 +34,7 @@ from ..car.modes import (
 from ..car.shape_pictures import animate_mode, draw_mode
 from ..car.shapes import Line, wire_frame
 from ..errors import TracktrainError
+from ..figures import conversion
 from ..options.car import (
     fmu_of,
     friction_option,
@@ -42,7 +43,7 @@ from ..options.car import (
     swap_option,
 )
 from ..options.types import each_once
-from ..plots import MUTED, RED, STYLE, conversion
+from ..plots import MUTED, RED, STYLE
 from ..scales import FOOT, MILE_PER_HOUR
 from ..terminal import Progress, unseen
 from .common.car import CarGiven, StudiedCar, of_options, straight_car_options, studied

@@ -24,10 +24,11 @@ from fmus.track.spectra import (
 )
 
 from ..car.hopper import parameters_of
+from ..figures import column, conversion
 from ..inspection.pictures import beside_normal
 from ..options.car import seed_option, track_option
 from ..options.types import Quantity
-from ..plots import BLUE, INK, MUTED, STYLE, column, conversion
+from ..plots import BLUE, INK, MUTED, STYLE
 from ..scales import DISPLACEMENT, FOOT
 from .common.command import study_command
 from .common.given import taking

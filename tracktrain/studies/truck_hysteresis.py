@@ -23,10 +23,11 @@ from orchestrator import InlineModel, Run, Value, describe
 
 from ..car.hopper import parameters_of
 from ..errors import TracktrainError
+from ..figures import conversion
 from ..options.car import car_option, fmu_option
 from ..options.types import Name
 from ..options.workers import workers_option
-from ..plots import BLUE, GREEN, PURPLE, RED, STYLE, conversion
+from ..plots import BLUE, GREEN, PURPLE, RED, STYLE
 from ..scales import INCH, POUND_FORCE
 from ..sweep.workers import rows
 from ..terminal import Progress, unseen

@@ -20,8 +20,9 @@ from fmus.truck_joints.bodies import inertias
 from fmus.truck_joints.reduction import KINDS, analog, shapes
 
 from ..car.hopper import parameters_of
+from ..figures import conversion
 from ..options.car import car_option
-from ..plots import BLUE, GREEN, RED, STYLE, conversion
+from ..plots import BLUE, GREEN, RED, STYLE
 from ..scales import INCH, POUND_FORCE
 from .common.command import study_command
 from .common.outcome import Outcome

@@ -10,9 +10,9 @@ from support.source_tree import ROOT
 HEAVY = ("numpy", "scipy", "pandas", "xarray", "matplotlib", "casadi", "numba", "pint", "fmpy")
 
 UNUSED = (
-    "casadi", "dask.array", "distributed", "fmus.export", "markdown_it", "matplotlib.pyplot",
-    "netCDF4", "numba", "pandas", "pint", "scipy.interpolate", "scipy.optimize", "xarray",
-    "ziglang",
+    "casadi", "dask.array", "distributed", "fmus.export", "markdown_it", "matplotlib.axes",
+    "matplotlib.figure", "netCDF4", "numba", "pandas", "pint", "scipy.interpolate",
+    "scipy.optimize", "xarray", "ziglang",
 )  # fmt: skip
 """What a run with its verdict and its pictures does not take."""
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.lines import Line2D
+from matplotlib.text import Text
 
 from tracktrain import plots
+from tracktrain.sheets import Sheet
 
 RAILS = ("y_left", "y_right", "z_left", "z_right")
 
@@ -64,11 +66,11 @@ def test_long_run_keeps_its_peaks_in_a_picture_of_few_points() -> None:
 def test_a_curve_meets_the_numbers_of_both_rulers_where_it_has_their_values(
     dataset: xr.Dataset,
 ) -> None:
-    figure = plots.plot_track(dataset)
-    curve = max(figure.findobj(Line2D), key=lambda line: len(line.get_xdata()))
+    sheet = plots.plot_track(dataset)
+    curve = max(_of(Line2D, sheet), key=lambda line: len(line.get_xdata()))
     height = {
         text.get_text(): text.get_position()[1]
-        for text in figure.texts
+        for text in _of(Text, sheet)
         if text.get_ha() in ("left", "right")
     }
     middle = height["0"]
@@ -77,8 +79,12 @@ def test_a_curve_meets_the_numbers_of_both_rulers_where_it_has_their_values(
     assert top == pytest.approx((height["0.05"] - middle) * 2 / (0.05 * 25.4), rel=1e-4)
 
 
-def _texts(figure: Figure) -> list[str]:
-    return [text.get_text() for text in figure.texts]
+def _texts(sheet: Sheet) -> list[str]:
+    return [text.get_text() for text in _of(Text, sheet)]
+
+
+def _of(kind: type[Any], sheet: Sheet) -> list[Any]:
+    return [artist for artist in sheet.artists if isinstance(artist, kind)]
 
 
 def test_written_pictures_have_curves_in_them(dataset: xr.Dataset, tmp_path: Path) -> None:

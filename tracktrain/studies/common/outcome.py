@@ -12,6 +12,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from ...plots import STYLE
+from ...sheets import Sheet
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,7 @@ class Outcome:
     title: str
     dataset: xr.Dataset
     tables: Mapping[str, pd.DataFrame] = field(default_factory=dict)
-    pictures: Mapping[str, Figure] = field(default_factory=dict)
+    pictures: Mapping[str, Figure | Sheet] = field(default_factory=dict)
     files: Mapping[str, bytes] = field(default_factory=dict)
     notes: Sequence[str] = ()
 

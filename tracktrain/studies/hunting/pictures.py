@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 
 from ...car.hopper import layout_of
 from ...car.layout import Layout
-from ...plots import BLUE, GREEN, MUTED, PURPLE, RED, STYLE, conversion, envelope
+from ...figures import conversion
+from ...plots import BLUE, GREEN, MUTED, PURPLE, RED, STYLE, envelope
 from ...scales import ANGLE, DISPLACEMENT, FOOT, MILE_PER_HOUR, Scale
 from .runs import Plateau, Transient
 

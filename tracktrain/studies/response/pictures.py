@@ -10,36 +10,27 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from ...car.layout import Shown
-from ...plots import (
-    BLUE,
-    GREEN,
-    MUTED,
-    PURPLE,
-    RED,
-    STYLE,
-    column,
-    conversion,
-    plot_displacement,
-    plot_lateral_force,
-)
+from ...figures import column, conversion
+from ...plots import BLUE, GREEN, MUTED, PURPLE, RED, STYLE, plot_displacement, plot_lateral_force
 from ...scales import FOOT, MILE_PER_HOUR
+from ...sheets import Sheet
 
 COLOURS = (BLUE, GREEN, RED, PURPLE)
 LOWEST = 0.25
 """Lowest frequency that is drawn [Hz]."""
 
 
-def history_figures(
+def history_sheets(
     drawn: Sequence[xr.Dataset], speeds: Sequence[float], report_speeds: Sequence[float]
-) -> dict[str, Figure]:
+) -> dict[str, Sheet]:
     """Force and displacement against time, by the report's figure where it has one."""
-    figures: dict[str, Figure] = {}
+    sheets: dict[str, Sheet] = {}
     for run, speed in zip(drawn, speeds, strict=True):
         names = [f"force_{speed / FOOT:.0f}_fps", f"displacement_{speed / FOOT:.0f}_fps"]
         if near := [n for n, own in enumerate(report_speeds) if abs(own / speed - 1) < 1e-9]:
             names = [f"figure_6_{2 * near[0] + 1}", f"figure_6_{2 * near[0] + 2}"]
-        figures |= dict(zip(names, (plot_lateral_force(run), plot_displacement(run)), strict=True))
-    return figures
+        sheets |= dict(zip(names, (plot_lateral_force(run), plot_displacement(run)), strict=True))
+    return sheets
 
 
 @mpl.rc_context(STYLE)

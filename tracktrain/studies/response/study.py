@@ -23,7 +23,7 @@ from ..common.command import study_command
 from ..common.given import taking
 from ..common.outcome import Outcome
 from ..common.rig import completed
-from .pictures import envelope_figure, history_figures, spectra_figure, transfer_figure
+from .pictures import envelope_figure, history_sheets, spectra_figure, transfer_figure
 
 SPEEDS = (60 * FOOT, 80 * FOOT, 100 * FOOT)
 """The report's three speeds [m/s]."""
@@ -98,7 +98,7 @@ def response(
         dataset=data.assign_attrs(car=str(car), track=track, duration=duration),
         tables={**tables, **{f"{kind}_envelope": _envelope(data, kind, shown) for kind in KINDS}},
         pictures={
-            **history_figures(drawn, speeds, SPEEDS),
+            **history_sheets(drawn, speeds, SPEEDS),
             "spectra": spectra_figure(data, shown, SHARES),
             "transfer_functions": transfer_figure(data, shown),
             "envelopes": envelope_figure(data, shown, SHARES),

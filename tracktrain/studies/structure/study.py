@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 import click
 import numpy as np
 import pandas as pd
 import xarray as xr
+from matplotlib.figure import Figure
 
 from fmus.carbody.default_data import default_data
 from fmus.carbody.modal_data import ModalData
@@ -92,7 +94,7 @@ def structure(
         "modes": modes_figure(found.structures["empty"], empty.data, names()),
         "assurance": assurance_figure(shown),
         "frequencies": frequency_figure(shown),
-        "transfer_functions": virtual.pictures["figure_4_8"],
+        "transfer_functions": cast(Figure, virtual.pictures["figure_4_8"]),
     }
     notes = [*_notes(empty, measured), *virtual.notes[:1]]
     title = "Carbody by finite elements, correlated with its survey"
