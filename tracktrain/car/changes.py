@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +16,8 @@ from orchestrator import (
     Value,
     choices,
     describe,
+    is_pattern,
+    picked,
     read_profile,
 )
 
@@ -195,6 +197,52 @@ def displaced(system: System, instance: str, coordinate: str, value: str) -> Sys
             f"{instance} has no initial coordinate '{coordinate}'; {choices(coordinate, known)}"
         )
     return assigned(system, instance, f"{COORDINATE}{coordinate}", value)
+
+
+def with_settings(system: System, settings: Sequence[tuple[str, str, str]]) -> System:
+    """The car with parameters at values as typed; each an instance, a name and a value.
+
+    `*` and `?` in an instance mean all that fit and have such a parameter; an instance by its full
+    name stands above them. Raises HopperError for a pattern that means none, or what another one
+    means with another value; and as `assigned`.
+    """
+    given: dict[tuple[str, str], tuple[str, str]] = {}
+    exact = []
+    for instance, name, value in settings:
+        if instance in system.components or not is_pattern(instance):
+            exact.append((instance, name, value))
+            continue
+        for one in _fitting(system, instance, name):
+            pattern, other = given.setdefault((one, name), (instance, value))
+            if other != value:
+                raise HopperError(
+                    f"{one}.{name} is '{other}' by '{pattern}' and '{value}' by '{instance}'; "
+                    "leave out one, or give it by its full name"
+                )
+    several = [(one, name, value) for (one, name), (_, value) in given.items()]
+    for instance, name, value in [*several, *exact]:
+        system = assigned(system, instance, name, value)
+    return system
+
+
+def _fitting(system: System, pattern: str, name: str) -> list[str]:
+    """The instances that fit a pattern and have a variable; raises HopperError for none."""
+    known = {
+        instance: describe(component.file).variables
+        for instance, component in system.components.items()
+        if component.file is not None
+    }
+    fitting = picked(pattern, known)
+    if not fitting:
+        raise HopperError(f"no instance fits '{pattern}'; {choices(pattern, known)}")
+    found = [instance for instance in fitting if name in known[instance]]
+    if not found:
+        own = [v for i in fitting for v in known[i].values() if v.causality == "parameter"]
+        raise HopperError(
+            f"no instance that fits '{pattern}' has a parameter '{name}'; "
+            f"{choices(name, dict.fromkeys(v.name for v in own))}"
+        )
+    return found
 
 
 def assigned(system: System, instance: str, name: str, value: str) -> System:

@@ -86,11 +86,12 @@ def set_option() -> Option:
     return click.option(
         "--set",
         "settings",
-        type=Assignment(instances, 'instance.parameter="value unit"'),
+        type=Assignment(instances, 'instance.parameter="value unit"', patterns=True),
         callback=each_once,
         multiple=True,
         metavar='INSTANCE.PARAMETER="VALUE UNIT"',
-        help="Change a parameter. Repeatable.",
+        help="Change a parameter; of several instances as in 'wheelset_*.creep_law=polach', above "
+        "which one by its full name stands. Repeatable.",
     )
 
 

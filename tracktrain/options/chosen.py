@@ -197,8 +197,7 @@ def chosen_car(shape: Shape) -> System:
         notes += said
     for instance, coordinate, value in shape.initials:
         system = changes.displaced(system, instance, coordinate, value)
-    for instance, name, value in shape.settings:
-        system = changes.assigned(system, instance, name, value)
+    system = changes.with_settings(system, shape.settings)
     stop = DURATION
     if shape.speed_profile is not None:
         instance, name = hopper.layout_of(system).track, "speed"
@@ -311,8 +310,7 @@ def chosen_file(
     from ..car import changes
 
     system = read_ssp(path, variant, folder=unpacked)
-    for instance, name, value in shape.settings:
-        system = changes.assigned(system, instance, name, value)
+    system = changes.with_settings(system, shape.settings)
     port_maps = _port_maps(shape)
     for instance, _, fmu in shape.swaps:
         path = fmu_of(fmu)

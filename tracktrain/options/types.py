@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 import orchestrator
-from orchestrator import choices
+from orchestrator import choices, is_pattern, picked
 
 TYPED = "typed"
 """What a context knows a quantity by as it was typed, before the name of its parameter."""
@@ -92,13 +92,16 @@ class Name(click.ParamType):
 class Assignment(click.ParamType):
     """`instance.name=value`, split into the three; without a name where the example has none.
 
-    Where the command is given a file, only the file knows which instances there are.
+    patterns: whether `*` and `?` in the instance may stand for several. Where the command is given
+    a file, only the file knows which instances there are.
     """
 
     name = "assignment"
 
-    def __init__(self, instances: Callable[[], Collection[str]], example: str) -> None:
-        self.instances, self.example = instances, example
+    def __init__(
+        self, instances: Callable[[], Collection[str]], example: str, patterns: bool = False
+    ) -> None:
+        self.instances, self.example, self.patterns = instances, example, patterns
 
     def convert(
         self, value: str, param: click.Parameter | None, ctx: click.Context | None
@@ -110,13 +113,16 @@ class Assignment(click.ParamType):
             self.fail(f"'{value}' cannot be read; write it as {self.example}", param, ctx)
         run = ctx is not None and ctx.info_name == "run"
         from_file = run and ctx is not None and isinstance(ctx.params.get("file"), Path)
-        if instance not in self.instances() and not from_file:
-            self.fail(
-                f"there is no instance '{instance}'; {choices(instance, self.instances())}",
-                param,
-                ctx,
-            )
+        if not from_file and not self._known(instance):
+            several = self.patterns and is_pattern(instance)
+            problem = "no instance fits" if several else "there is no instance"
+            self.fail(f"{problem} '{instance}'; {choices(instance, self.instances())}", param, ctx)
         return instance, name, right.strip()
+
+    def _known(self, instance: str) -> bool:
+        known = self.instances()
+        several = self.patterns and is_pattern(instance)
+        return instance in known or (several and bool(picked(instance, known)))
 
 
 def each_once(

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from orchestrator import choices
+from orchestrator import choices, is_pattern, picked
 
-from ..car.changes import assigned
+from ..car.changes import with_settings
 from ..car.hopper import CARS, TRACKS, hopper_car, instances
 from ..errors import TracktrainError
 from ..options.car import DURATION_UNITS, SPEED_KIND, STEP_KIND, is_track_file
@@ -249,14 +249,14 @@ def _check_parameter(axis: Axis) -> None:
             f"'{axis.name}' cannot be swept over; {choices(axis.name, OPTIONS)}, or a parameter as "
             "instance.parameter"
         )
-    if instance not in instances():
+    if not _meant(instance):
         raise SweepError(f"there is no instance '{instance}'; {choices(instance, instances())}")
     variables = _variables(instance)
     if parameter not in variables:
         known = [n for n, v in variables.items() if v.causality == "parameter"]
         raise SweepError(f"{instance} has no parameter '{parameter}'; {choices(parameter, known)}")
     for value in axis.values:
-        assigned(_car_with(instance), instance, parameter, axis.text(value))
+        with_settings(_car_with(instance), [(instance, parameter, axis.text(value))])
 
 
 def _converted(axis: Axis, value: Any) -> float:
@@ -271,17 +271,25 @@ def _converted(axis: Axis, value: Any) -> float:
 
 def _unit_of(name: str) -> str:
     instance, _, parameter = name.partition(".")
-    if instance not in instances() or parameter not in _variables(instance):
+    if not _meant(instance) or parameter not in _variables(instance):
         return ""
     unit = _variables(instance)[parameter].unit
     return "" if unit in (None, "1") else str(unit)
 
 
+def _meant(instance: str) -> list[str]:
+    """The instances that are called so, or fit it where it is a pattern."""
+    return picked(instance, instances()) if is_pattern(instance) else [*{instance} & {*instances()}]
+
+
 def _variables(instance: str) -> Mapping[str, Any]:
+    """Those of the instances that are meant, by name."""
     from orchestrator import describe
 
-    return describe(Path(str(_car_with(instance).components[instance].fmu))).variables
+    own = (c for n, c in _car_with(instance).components.items() if n in _meant(instance))
+    return {name: v for c in own for name, v in describe(Path(str(c.fmu))).variables.items()}
 
 
 def _car_with(instance: str) -> System:
-    return hopper_car(next(n for n, car in CARS.items() if instance in car.layout.blocks))
+    meant = {*_meant(instance)}
+    return hopper_car(next(n for n, car in CARS.items() if meant & {*car.layout.blocks}))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 import xarray as xr
 from click.testing import CliRunner
 
+from fmus.wheelrail.block import CREEP_LAWS
 from tracktrain.cli.main import main
 
 
@@ -37,6 +39,14 @@ def run(*arguments: str, out: Path) -> tuple[int, str]:
         ("--set", "track.spectrum=fra9", "track.spectrum cannot be 'fra9'; write it like one of: "),
         ("--set", "track.seed=1.5", "track.seed cannot be 1.5: it is a whole number"),
         ("--set", "wheelset_11.speed=1 m/s", "it is driven by track.speed_out"),
+        ("--set", "wheel?.conicity=0.1", "no instance fits 'wheel?'; choose one of: carbody,"),
+        (
+            "--set",
+            "wheelset_*.conicty=0.1",
+            "no instance that fits 'wheelset_*' has a parameter 'conicty'; did you mean conicity?",
+        ),
+        ("--set", "wheelset_*.conicity=-0.1", "wheelset_11.conicity cannot be -0.1"),
+        ("--initial", "truck_*.yaw=1 deg", "there is no instance 'truck_*'; did you mean truck_"),
         ("--set", "wheelset_11.force_y=1 N", "cannot be given a value: it is a continuous output"),
         (
             "--initial",
@@ -59,6 +69,43 @@ def test_value_that_does_not_fit_is_refused(
     code, output = run(option, assignment, out=tmp_path)
     assert code == 2
     assert message in output
+
+
+def parameters(folder: Path) -> dict[str, object]:
+    with xr.open_dataset(folder / "results.nc") as dataset:
+        return json.loads(dataset.attrs["parameters"])
+
+
+def test_a_pattern_sets_all_that_fit_and_have_it_and_a_full_name_stands_above_it(tmp_path: Path):
+    given = ("--set", "wheelset_12.conicity=0.2", "--set", "wheelset_*.conicity=0.1")
+    everywhere = ("--set", "*.creep_law=polach")
+    assert run(*given, *everywhere, out=tmp_path) == (0, "")
+    found = parameters(tmp_path)
+    of_axles = {f"wheelset_{n}": found[f"wheelset_{n}.conicity"] for n in (11, 12, 21, 22)}
+    expected = {"wheelset_11": 0.1, "wheelset_12": 0.2, "wheelset_21": 0.1, "wheelset_22": 0.1}
+    assert of_axles == expected
+    assert {found[f"{name}.creep_law"] for name in expected} == {1 + CREEP_LAWS.index("polach")}
+
+
+def test_two_patterns_that_say_unlike_things_of_one_are_refused(tmp_path: Path):
+    given = ("--set", "wheelset_*.conicity=0.1", "--set", "wheelset_1?.conicity=0.2")
+    code, output = run(*given, out=tmp_path)
+    assert code == 2
+    assert "wheelset_11.conicity is '0.1' by 'wheelset_*' and '0.2' by 'wheelset_1?'" in output
+
+
+def test_a_pattern_sets_the_instances_of_a_file_and_is_kept_in_a_file_of_options(tmp_path: Path):
+    car, options, direct = tmp_path / "car.ssp", tmp_path / "run.toml", tmp_path / "direct"
+    assert CliRunner().invoke(main, ["export", str(car), "--duration", "5ms"]).exit_code == 0
+    given = ("--set", "wheelset_*.conicity=0.1")
+    assert run(str(car), *given, "--save", str(options), out=direct) == (0, "")
+    assert '"wheelset_*.conicity" = "0.1"' in options.read_text()
+    assert run(str(options), out=tmp_path / "again") == (0, "")
+    assert parameters(direct)["wheelset_22.conicity"] == 0.1
+    assert parameters(tmp_path / "again") == parameters(direct)
+    code, output = run(str(car), "--set", "axle?.conicity=0.1", out=direct)
+    assert code == 2
+    assert "no instance fits 'axle?'" in output
 
 
 @pytest.mark.parametrize("coordinate", ["lateral", "vertical", "roll", "yaw", "pitch"])

@@ -70,6 +70,8 @@ def test_axes_are_ranges_or_lists_with_a_unit(text, values, unit):
         ("truck_front.bolster_lateral.stifness=1:2", "did you mean bolster_lateral.stiffness"),
         ("truck_front.bolster_lateral.stiffness=1:2", "the unit is missing"),
         ("truck_middle.mass=1", "there is no instance 'truck_middle'"),
+        ("truck_m*.mass=1", "there is no instance 'truck_m*'"),
+        ("wheelset_*.conicty=0.1", "wheelset_* has no parameter 'conicty'; did you mean conicity"),
     ],
 )
 def test_what_cannot_be_swept_over_is_said(text, said):

@@ -73,7 +73,7 @@ Examples:
   tracktrain run
   tracktrain run --car empty --speed "100 ft/s" --track fra4 --seed 7
   tracktrain run --track perfect --initial truck_front.yaw="0.005 deg" --speed "80 ft/s"
-  tracktrain run --set wheelset_11.conicity=0.1 --set track.report_rms="0.05 in"
+  tracktrain run --set 'wheelset_*.conicity=0.1' --set track.report_rms="0.05 in"
   tracktrain run --swap truck_rear=my_truck.fmu --out results/my-truck
   tracktrain run --master jacobi --verify --verify-output "wheelset_*.force_y"
   tracktrain run --speed-profile run-down.csv --track fra5

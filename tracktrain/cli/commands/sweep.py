@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 Examples:
   tracktrain sweep --over speed=20:140:5ft/s --over seed=1:50
   tracktrain sweep --over car=loaded,empty --over speed=40:120:10ft/s --track fra4
-  tracktrain sweep --over wheelset_11.conicity=0.02:0.2:0.02 --workers 4
+  tracktrain sweep --over "wheelset_*.conicity=0.02:0.2:0.02" --workers 4
   tracktrain sweep --over truck_front.initial.yaw=0.1:1:0.1deg --track perfect
   tracktrain sweep --over wheel=conical,worn --rail crown --over layout=a.toml,b.toml
   tracktrain sweep --over seed=1:1000 --scheduler tcp://node1:8786 --out many"""
@@ -37,9 +37,9 @@ Examples:
     required=True,
     metavar="NAME=VALUES",
     help="What to sweep over: speed, seed, car, track, layout, wheel, rail, right_wheel, "
-    "right_rail, right_radius, duration, step, master or an instance.parameter; as "
-    "start:stop:step with a unit, or a list with commas, of files, too. Repeatable: all "
-    "combinations are run.",
+    "right_rail, right_radius, duration, step, master or an instance.parameter, of several "
+    "instances as in wheelset_*.conicity; as start:stop:step with a unit, or a list with commas, "
+    "of files, too. Repeatable: all combinations are run.",
 )
 @system_options
 @master_options

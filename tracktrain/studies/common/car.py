@@ -10,7 +10,7 @@ from typing import Any
 
 from orchestrator import System
 
-from ...car.changes import assigned, changed
+from ...car.changes import changed, with_settings
 from ...car.friction import tuned
 from ...car.hopper import SPEED, layout_of
 from ...car.linear import linear_car
@@ -60,9 +60,7 @@ class StudiedCar:
         if self.layout is not None:
             own["layout"] = Path(self.layout) if along else None
         system = changed(chosen_car(Shape.taken(own | shape)), changes)
-        for instance, name, value in self.settings if changes else ():
-            system = assigned(system, instance, name, value)
-        return system
+        return with_settings(system, self.settings) if changes else system
 
     @staticmethod
     def lines(system: System) -> dict[str, float]:
