@@ -8,10 +8,12 @@ from .errors import (
     ProfileError,
     ResultsError,
     UnitError,
+    UnwrittenError,
     choices,
     listed,
     plain,
 )
+from .files import whole_file
 from .fmu.archive import Archive, open_archive
 from .fmu.arrays import shaped, taken_apart
 from .fmu.description import Description, Limit, Tangent, Variable
@@ -137,6 +139,7 @@ __all__ = [
     "Table",
     "Tangent",
     "UnitError",
+    "UnwrittenError",
     "Value",
     "Variable",
     "Verdict",
@@ -190,5 +193,6 @@ __all__ = [
     "taken_apart",
     "verify",
     "vertex",
+    "whole_file",
     "write_ssp",
 ]

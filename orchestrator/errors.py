@@ -101,6 +101,10 @@ class DamageError(ResultsError):
     """Results are not what the run wrote."""
 
 
+class UnwrittenError(OrchestratorError):
+    """A file cannot be written."""
+
+
 class LogError(OrchestratorError):
     """A log cannot be kept as asked for."""
 

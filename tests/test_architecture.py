@@ -13,7 +13,7 @@ import orchestrator
 from support.source_tree import PACKAGES, ROOT, circle, of, sources
 
 FLOORS = (
-    {"errors", "naming", "notes", "options", "interrupts", "compiled", "summary"},
+    {"errors", "naming", "notes", "options", "interrupts", "compiled", "summary", "files"},
     {"fmu"},
     {"system"},
     {"ssp", "plan"},

@@ -12,12 +12,12 @@ import pandas as pd
 import xarray as xr
 from scipy.io import savemat
 
-from orchestrator import choices
+from orchestrator import choices, whole_file
 
 from .errors import TracktrainError
+from .netcdf import write_netcdf
 from .quantities import signals_meant
 from .results import opened
-from .whole import whole
 
 LONGEST = 63
 """Characters of a name that MATLAB takes."""
@@ -42,7 +42,7 @@ def convert(
     dataset = chosen(opened(run), signals).sel(time=slice(begin, end))
     if not dataset.sizes["time"]:
         raise TracktrainError(f"'{run}' has no rows in that time; choose another span")
-    with whole(file) as new:
+    with whole_file(file) as new:
         write(dataset, new)
     return file
 
@@ -64,13 +64,6 @@ def _parquet(dataset: xr.Dataset, file: Path) -> None:
             "Parquet files need a further package: python -m pip install 'tracktrain[parquet]'"
         )
     _frame(dataset, units=False).to_parquet(file, engine="pyarrow")
-
-
-def _hdf5(dataset: xr.Dataset, file: Path) -> None:
-    try:
-        dataset.to_netcdf(file, format="NETCDF4", engine="netcdf4")
-    except RuntimeError as error:  # HDF5's, which does not say why
-        raise OSError(str(error)) from None
 
 
 def _mat(dataset: xr.Dataset, file: Path) -> None:
@@ -111,7 +104,7 @@ def _frame(dataset: xr.Dataset, units: bool) -> pd.DataFrame:
 
 FORMATS: Mapping[str, Callable[[xr.Dataset, Path], None]] = {
     ".csv": _csv,
-    ".h5": _hdf5,
+    ".h5": write_netcdf,
     ".mat": _mat,
     ".parquet": _parquet,
 }

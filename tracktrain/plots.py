@@ -10,7 +10,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 
-from orchestrator import Responses
+from orchestrator import Responses, whole_file
 
 from .car.hopper import layout_of
 from .curves import extremes
@@ -162,7 +162,8 @@ def write_pictures(dataset: Responses, folder: Path) -> list[Path]:
             sheet = plot(dataset)
         except KeyError:  # an FMU that stands in for a block need not have all its outputs
             continue
-        sheet.savefig(folder / name)
+        with whole_file(folder / name) as new:
+            sheet.savefig(new)
         written.append(folder / name)
     return written
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import orchestrator
-from orchestrator import RESULTS_NAME, Responses, Run
+from orchestrator import RESULTS_NAME, Responses, Run, whole_file
 
 from .car.hopper import layout_of
 from .errors import TracktrainError
@@ -103,7 +103,7 @@ def speeds(dataset: Responses) -> tuple[float, float] | None:
 
 def write_bonds(run: Run, folder: Path) -> None:
     """Write energy through each bond of a run, and what its two sides saw differently [J]."""
-    with (folder / BONDS).open("w", newline="", encoding="utf-8") as stream:
+    with whole_file(folder / BONDS) as new, new.open("w", newline="", encoding="utf-8") as stream:
         table = csv.writer(stream, lineterminator="\n")
         table.writerow(COLUMNS)
         for bond in run.bonds:

@@ -19,7 +19,7 @@ def guid(digest: str) -> str:
 
 
 def write_archive(path: Path, files: Mapping[str, bytes]) -> None:
-    """Zip with fixed times and order; the file appears whole or not at all."""
+    """Zip with fixed times and order; the file appears whole or not at all. Raises OSError."""
     descriptor, name = tempfile.mkstemp(dir=path.parent, suffix=".part")
     try:
         with os.fdopen(descriptor, "wb") as stream, zipfile.ZipFile(stream, "w") as archive:
@@ -30,6 +30,8 @@ def write_archive(path: Path, files: Mapping[str, bytes]) -> None:
                 archive.writestr(info, files[file])
         Path(name).chmod(0o644)
         Path(name).replace(path)
-    except BaseException:
+    except BaseException as error:
         Path(name).unlink(missing_ok=True)
+        if isinstance(error, OSError):  # a full disk does not say of which file it is
+            error.filename = str(path)
         raise

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..files import whole_file
 from ..fmu.description import Variable
 from ..naming import meant
 from ..run.outcome import Outcome
@@ -165,9 +166,13 @@ class Run(Summarised):
         return path
 
     def write_csv(self, folder: Path | str) -> Path:
-        """Write results.csv into the folder: time and variables with their units, every digit."""
+        """Write results.csv into the folder: time and variables with their units, every digit.
+
+        Raises UnwrittenError.
+        """
         path = Path(folder) / csv_table.NAME
-        self.give(csv_table.CsvTable(path))
+        with whole_file(path) as new:
+            self.give(csv_table.CsvTable(new))
         return path
 
     def give(self, sink: Sink) -> None:

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ..files import whole_file
 from ..plan.plan import Plan
 from ..slaves.base import Slave
 
@@ -95,5 +96,5 @@ def write_texts(changes: Changes, folder: Path) -> None:
     if not changes:
         return
     rows = sorted((time, name, text) for name, found in changes.items() for time, text in found)
-    with (folder / NAME).open("w", newline="") as stream:
+    with whole_file(folder / NAME) as new, new.open("w", newline="") as stream:
         csv.writer(stream).writerows([("time [s]", "variable", "text"), *rows])

@@ -10,6 +10,7 @@ from urllib.parse import quote
 from xml.etree.ElementTree import Element, SubElement
 
 from ..errors import SspError, choices
+from ..files import whole_file
 from ..fmu.arrays import element_names
 from ..fmu.description import Description, Variable
 from ..fmu.read import describe
@@ -52,18 +53,13 @@ def write_ssp(
         raise SspError(f"SSP has no version '{version}'; {choices(version, VERSIONS)}")
     archive = _Archive(version, name or path.stem, changes_only)
     members = archive.members(system)
-    try:
-        with zipfile.ZipFile(path, "w") as file:
-            for member, content in members.items():
-                info = zipfile.ZipInfo(member, DATE)
-                if isinstance(content, Path):  # an FMU, compressed already
-                    file.writestr(info, content.read_bytes())
-                else:
-                    file.writestr(info, content, zipfile.ZIP_DEFLATED)
-    except OSError as error:
-        path.unlink(missing_ok=True)
-        reason = (error.strerror or str(error)).lower()
-        raise SspError(f"'{path}' cannot be written: {reason}") from None
+    with whole_file(path) as new, zipfile.ZipFile(new, "w") as file:
+        for member, content in members.items():
+            info = zipfile.ZipInfo(member, DATE)
+            if isinstance(content, Path):  # an FMU, compressed already
+                file.writestr(info, content.read_bytes())
+            else:
+                file.writestr(info, content, zipfile.ZIP_DEFLATED)
     return path
 
 

@@ -16,7 +16,8 @@ from pathlib import Path
 
 from platformdirs import user_cache_path
 
-from ..errors import plain
+from ..errors import UnwrittenError, plain
+from ..files import whole_file
 from ..plan.plan import component_description
 from ..slaves.isolated.slave import cause
 from ..system.encoding import encode
@@ -137,11 +138,9 @@ def _remembered(sha256: str, component: Component) -> SelfTest | None:
 
 def _remember(sha256: str, component: Component, found: SelfTest) -> None:
     path = _place(sha256, component if any(f.wrong for f in found.findings) else None)
-    with suppress(OSError):  # without a cache it is tested each time
-        path.parent.mkdir(parents=True, exist_ok=True)
-        new = path.with_suffix(f".{os.getpid()}")
+    # without a cache it is tested each time
+    with suppress(UnwrittenError), whole_file(path) as new:
         new.write_text(json.dumps(asdict(found)))
-        new.replace(path)
 
 
 def _decoded(said: dict) -> SelfTest:

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from orchestrator import owned
+from orchestrator import owned, whole_file
 
 from ..report.sheet import write_sheet
 from .evidence import Array
@@ -119,6 +119,7 @@ def write_calibration(
     drawn = pictures(found.gathered, found.fitted)
     page, *others = write_sheet(folder / NAME, title, tables, drawn, notes, command)
     text = run_file(found.gathered.asked.shape, found.fitted, source)
-    (folder / PARAMETERS).write_text(f"{text}\n", encoding="utf-8")
+    with whole_file(folder / PARAMETERS) as new:
+        new.write_text(f"{text}\n", encoding="utf-8")
     shutil.rmtree(folder / FOLDER, ignore_errors=True)
     return [page, folder / PARAMETERS, *others]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -15,7 +14,7 @@ from zipfile import BadZipFile
 import numpy as np
 import xarray as xr
 
-from orchestrator import Session, Settings, System, describe, simulate
+from orchestrator import Session, Settings, System, describe, simulate, whole_file
 
 from ..errors import TracktrainError
 from ..failures import heard
@@ -188,14 +187,10 @@ def _rms(values: Array) -> float:
 
 
 def _write(path: Path, run: xr.Dataset) -> None:
-    """The file is whole or not there."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    new = path.with_suffix(f".{os.getpid()}")
     units = {str(name): str(v.attrs.get("units", "1")) for name, v in run.data_vars.items()}
     arrays = {str(name): v.values for name, v in run.data_vars.items()}
-    with new.open("wb") as stream:
+    with whole_file(path) as new, new.open("wb") as stream:
         np.savez(stream, time=run["time"].values, units=np.array(json.dumps(units)), **arrays)  # type: ignore[arg-type]
-    new.replace(path)
 
 
 def _read(path: Path) -> xr.Dataset | None:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 from pathlib import Path
 
 import platformdirs
 
-from orchestrator import Provenance, Responses, describe
+from orchestrator import Provenance, Responses, describe, whole_file
 
 FOLDER = platformdirs.user_cache_path("tracktrain") / "parts"
 """What ran here, by the SHA-256 of the FMU."""
@@ -16,13 +15,11 @@ FOLDER = platformdirs.user_cache_path("tracktrain") / "parts"
 
 def keep(fmu: Path) -> Path:
     """Keep an FMU, if it is not kept yet; returns where, without the suffix."""
-    FOLDER.mkdir(parents=True, exist_ok=True)
     place = FOLDER / describe(fmu).sha256
-    whole = place.with_suffix(".fmu")
-    if not whole.exists():
-        new = place.with_suffix(f".{os.getpid()}")
-        shutil.copyfile(fmu, new)
-        new.replace(whole)  # whole or not there: a copy may be broken off
+    kept = place.with_suffix(".fmu")
+    if not kept.exists():
+        with whole_file(kept) as new:  # a copy may be broken off
+            shutil.copyfile(fmu, new)
     return place
 
 

@@ -6,7 +6,6 @@ roots, shapes = car.modes(speed=24.4)
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import cache, lru_cache, partial
@@ -24,7 +23,7 @@ from fmus.carbody.modal import ModalCarbody
 from fmus.carbody.modal_data import ModalData
 from fmus.catalogue import source_hash
 from fmus.describe.block import Block
-from orchestrator import choices
+from orchestrator import UnwrittenError, choices, whole_file
 
 from ..errors import HopperError
 from .friction import LARGE, damping, kinds, to_rates, tuned
@@ -193,12 +192,10 @@ def _stored(
         texts = [place.read_bytes().decode("latin-1") for place in places]
         return tuple(map(ca.Function.deserialize, texts))
     built = _functions(layout, listed, law, friction)
-    with suppress(OSError):  # without a cache they are built each time
-        folder.mkdir(parents=True, exist_ok=True)
+    with suppress(UnwrittenError):  # without a cache they are built each time
         for place, function in zip(places, built, strict=True):
-            new = place.with_suffix(f".{os.getpid()}")
-            new.write_bytes(function.serialize().encode("latin-1"))
-            new.replace(place)
+            with whole_file(place) as new:
+                new.write_bytes(function.serialize().encode("latin-1"))
     return built
 
 

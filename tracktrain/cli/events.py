@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
+from orchestrator import whole_file
+
 from ..events import DERAILMENT, gravest
 from ..scales import three_digits
 from ..terminal import print_whole
@@ -42,7 +44,7 @@ def write_events(found: list[Event], folder: Path) -> None:
     if not found:
         path.unlink(missing_ok=True)
         return
-    with path.open("w", encoding="utf-8", newline="") as stream:
+    with whole_file(path) as new, new.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(COLUMNS.values())
         writer.writerows([getattr(event, name) for name in COLUMNS] for event in found)

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from fmus.profiles.geometry import SIDES, contact_geometry
 from fmus.profiles.trace import PlacedRail
-from orchestrator import choices
+from orchestrator import choices, whole_file
 
 from ..errors import TracktrainError
 from ..plots import BLUE, GREEN, INK, MUTED, PURPLE, RED, STYLE
@@ -45,7 +45,8 @@ def save(found: Examined, file: Path) -> None:
         raise TracktrainError(
             f"'{file}' is no picture by its ending; {choices(file.suffix[1:], kinds)}"
         )
-    picture(found).savefig(file)
+    with whole_file(file) as new:
+        picture(found).savefig(new)
 
 
 def _profiles(axes: Axes, found: Examined) -> None:

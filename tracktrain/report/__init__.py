@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from orchestrator import Provenance, Responses, Run
+from orchestrator import Provenance, Responses, Run, whole_file
 
 from ..answer import parts
 from ..assessment import judged
@@ -32,10 +32,13 @@ def write_report(
     """Write report.html into a folder and return it.
 
     run: it, its dataset, or the folder that it wrote. bonds: as `tracktrain.results.read_bonds`
-    gives it. Raises TracktrainError for a run without two rows.
+    gives it. Raises TracktrainError for a run without two rows,
+    orchestrator.UnwrittenError.
     """
     path = Path(folder) / PAGE
-    path.write_text(page(responses_of(run), bonds), encoding="utf-8")
+    text = page(responses_of(run), bonds)
+    with whole_file(path) as new:
+        new.write_text(text, encoding="utf-8")
     return path
 
 

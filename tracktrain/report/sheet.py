@@ -12,6 +12,8 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
+from orchestrator import whole_file
+
 from ..terminal import cell
 from .rendering import rendered
 
@@ -43,7 +45,8 @@ def write_beside(
         contents[page.with_name(f"{name}.csv")] = table.to_csv().encode()
     contents |= {page.with_name(f"{name}.png"): picture for name, picture in pictures.items()}
     for path, content in contents.items():
-        path.write_bytes(content)
+        with whole_file(path) as new:
+            new.write_bytes(content)
     return list(contents)
 
 

@@ -11,6 +11,8 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
+from orchestrator import whole_file
+
 from ..plots import BLUE, GREEN, MUTED, PURPLE, RED, STYLE
 
 if TYPE_CHECKING:
@@ -34,8 +36,8 @@ def write_pictures(table: xr.Dataset, folder: Path) -> list[Path]:
     )
     for output in outputs:
         path = folder / f"{re.sub(r'[^A-Za-z0-9_.-]+', '_', output)}.png"
-        with mpl.rc_context(STYLE):
-            output_figure(table, output).savefig(path)
+        with mpl.rc_context(STYLE), whole_file(path) as new:
+            output_figure(table, output).savefig(new)
         written.append(path)
     return written
 

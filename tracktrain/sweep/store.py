@@ -9,6 +9,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from orchestrator import whole_file
+
 from ..columns import file_and_column
 from .axes import SweepError
 from .one import Row
@@ -32,9 +34,8 @@ class Store:
             _compare(_asked(before), wanted, folder)
             self._read()
         else:
-            new = before.with_name(f"{ASKED}.new")
-            new.write_text(json.dumps(wanted, indent=1), encoding="utf-8")
-            new.replace(before)
+            with whole_file(before) as new:
+                new.write_text(json.dumps(wanted, indent=1), encoding="utf-8")
             self._path.touch()
 
     def add(self, number: int, row: Row) -> None:

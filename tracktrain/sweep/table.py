@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from orchestrator import whole_file
+
+from ..netcdf import write_netcdf
 from .axes import Axis
 from .one import NUMBERS, TEXTS, Row
 
@@ -74,8 +77,10 @@ def as_rows(table: xr.Dataset) -> pd.DataFrame:
 
 def write_table(table: xr.Dataset, folder: Path) -> None:
     """Write sweep.csv and sweep.nc into a folder."""
-    as_rows(table).to_csv(folder / CSV, index=False)
-    table.to_netcdf(folder / NETCDF, engine="netcdf4")
+    with whole_file(folder / CSV) as new:
+        as_rows(table).to_csv(new, index=False)
+    with whole_file(folder / NETCDF) as new:
+        write_netcdf(table, new)
 
 
 def idle_axes(table: xr.Dataset) -> list[str]:

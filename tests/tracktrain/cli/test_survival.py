@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -106,35 +107,62 @@ def test_full_disk_ends_the_run_with_what_fits(tmp_path: Path) -> None:
     assert np.isfinite(found["carbody.cg.y"]).all()
 
 
+WRITERS = {
+    "track.csv": ["track", "make", "track.csv", "--spectrum", "fra5"],
+    "rows.csv": ["convert", "run", "rows.csv"],
+    "rows.mat": ["convert", "run", "rows.mat"],
+    "rows.h5": ["convert", "run", "rows.h5"],
+    "rows.png": ["plot", "run", "-o", "rows.png"],
+    "run/assessment.csv": ["assess", "run"],
+    "car.ssp": ["export", "car.ssp"],
+    "profile.svg": ["profile", "show", "worn", "crown", "--picture", "profile.svg"],
+    "out/comparison.html": ["compare", "run", "other", "--out", "out"],
+    "out/data.nc": ["track", "inspect", "given.csv", "--out", "out"],
+    "hopper_modes.toml": ["structure", "hopper.toml"],
+}
+"""Commands by a file that they write."""
+
+
+@pytest.fixture(scope="module")
+def given(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with what those commands read."""
+    folder = tmp_path_factory.mktemp("given")
+    assert run(*SHORT, "--out", str(folder / "run")).exit_code == 0
+    shutil.copytree(folder / "run", folder / "other")
+    for command in (
+        ["track", "make", str(folder / "given.csv"), "--spectrum", "fra5"],
+        ["structure", "--write", str(folder / "hopper.toml")],
+    ):
+        assert CliRunner().invoke(main, command).exit_code == 0
+    return folder
+
+
 @pytest.mark.skipif(os.name != "posix", reason="limits as POSIX has them")
-@pytest.mark.parametrize("name", ["track.csv", "rows.csv", "rows.mat", "rows.h5", "rows.png"])
+@pytest.mark.parametrize("name", WRITERS)
 def test_full_disk_leaves_the_older_file_and_no_part_of_a_new_one(
-    name: str, tmp_path: Path
+    name: str, given: Path, tmp_path: Path
 ) -> None:
     import resource
 
     def limit() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
 
-    older, results = tmp_path / name, tmp_path / "run"
-    older.write_text("older")
-    fmu_path("track")  # which is built without a limit
-    if name == "track.csv":
-        command = ["track", "make", str(older), "--spectrum", "fra5"]
-    else:
-        assert run(*SHORT, "--out", str(results)).exit_code == 0
-        plot = ["plot", str(results), "-o", str(older)]
-        command = plot if name == "rows.png" else ["convert", str(results), str(older)]
+    place = tmp_path / "there"
+    shutil.copytree(given, place)
+    (place / name).parent.mkdir(exist_ok=True)
+    (place / name).write_text("older")
+    before = {path: path.read_bytes() for path in place.rglob("*") if path.is_file()}
     done = subprocess.run(
-        [sys.executable, "-B", "-m", "tracktrain", *command],  # else it caches torn modules
+        [sys.executable, "-B", "-m", "tracktrain", *WRITERS[name]],  # else it caches torn modules
         preexec_fn=limit,
         capture_output=True,
         text=True,
+        cwd=place,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
     )
     assert done.returncode == 2, done.stderr
-    assert f"'{older}' cannot be written: " in done.stderr
-    assert older.read_text() == "older"
-    assert {path.name for path in tmp_path.iterdir()} <= {name, "run"}
+    assert f"'{name}' cannot be written: " in done.stderr
+    assert {path: path.read_bytes() for path in place.rglob("*") if path.is_file()} == before
 
 
 def test_log_is_written_where_it_is_asked_for(tmp_path: Path) -> None:

@@ -10,6 +10,8 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from orchestrator import whole_file
+
 from ...results import ASSESSMENT, SECTIONS
 from ..as_json import json_option, print_json
 
@@ -56,10 +58,12 @@ def command(folder: Path, sections: bool, as_json: bool, quiet: bool) -> None:
         table, found = assessed(run), events(run)
         cut = by_sections(run) if sections else None
         beyond = outside(run, found)
-    table.to_csv(folder / ASSESSMENT)
+    with whole_file(folder / ASSESSMENT) as new:
+        table.to_csv(new)
     write_events(found, folder)
     if cut is not None:
-        cut.to_csv(folder / SECTIONS, index=False)
+        with whole_file(folder / SECTIONS) as new:
+            cut.to_csv(new, index=False)
     if as_json:
         more = {} if cut is None else {"sections": cut}
         print_json(assessment=table, events=found, range=beyond, **more)

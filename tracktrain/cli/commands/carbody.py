@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from orchestrator import whole_file
+
 from ...car.hopper import vehicle
 from ...errors import TracktrainError
 from ...options.car import car_option
@@ -103,7 +105,8 @@ def command(
     if residual == Residual.NONE:
         data = replace(data, residual_flexibility=None)
     if write is not None:
-        write_modal_data(data, write)
+        with whole_file(write) as new:
+            write_modal_data(data, new)
     data = with_residual_modes(data, residual)
     path = out or Path(f"{modes.stem}.fmu")
     writable(path.parent)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import importlib.util
 import keyword
+import shutil
 from importlib.resources import files
 from pathlib import Path
 
 import click
 
 from fmus.names import CAR
+from orchestrator import UnwrittenError, whole_file
 
 from ...car.hopper import HOPPER
 from ...errors import TracktrainError
@@ -60,12 +62,16 @@ def write_project(block: str, name: str, out: Path) -> Path:
         "BLOCK": block,
         "INSTANCE": _instance(block),
     }
-    project.mkdir(parents=True)
-    for file, template in texts.items():
-        text = template.read_text(encoding="utf-8")
-        for old, new_text in replacements.items():
-            text = text.replace(old, new_text)
-        (project / file).write_text(text, encoding="utf-8")
+    try:
+        for file, template in texts.items():
+            text = template.read_text(encoding="utf-8")
+            for old, new_text in replacements.items():
+                text = text.replace(old, new_text)
+            with whole_file(project / file) as new:
+                new.write_text(text, encoding="utf-8")
+    except UnwrittenError:
+        shutil.rmtree(project, ignore_errors=True)  # half a project is none
+        raise
     return project
 
 

@@ -6,10 +6,11 @@ from pathlib import Path
 
 import click
 
+from orchestrator import whole_file
+
 from ...errors import TracktrainError
 from ...options.out import file_option
 from ...options.span import span_options
-from ...whole import whole
 
 KINDS = (".png", ".svg", ".pdf")
 
@@ -61,6 +62,6 @@ def command(
     from ...plotting import plot
 
     figure = plot(runs, of, over=over, spectrum=spectrum, together=together, begin=begin, end=end)
-    with whole(out) as new:
+    with whole_file(out) as new:
         figure.savefig(new)
     click.echo(str(out))

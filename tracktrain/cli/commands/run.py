@@ -44,7 +44,6 @@ from ...options.run import (
 from ...options.trust import shown, trust_options, trusted
 from ...terminal import writable
 from ...waiting import announced
-from ...whole import whole
 from ..as_json import json_option, print_json
 
 if TYPE_CHECKING:
@@ -190,7 +189,7 @@ def command(
             stage("comparing")
             lost += _idle(result, system, file, ssd, shape, settings)
         told = _judged(result, counting)
-        lost += _finish(result, beside)
+        lost += _finish(result, folder, told, beside)
     if result.completed:
         shutil.rmtree(folder / FMUS_OF_CHECKPOINT, ignore_errors=True)
     form = JSON if as_json else NOTHING if quiet else VERBOSE if options["verbose"] else TEXT
@@ -200,7 +199,7 @@ def command(
 
 
 def _save(ctx: click.Context, file: Path) -> None:
-    with whole(file) as new:
+    with orchestrator.whole_file(file) as new:
         new.write_text(run_file(ctx, file.parent), encoding="utf-8")
 
 
@@ -266,11 +265,14 @@ def _write(result: Run, folder: Path, csv: bool, beside: PageBeside | None) -> l
     return notes
 
 
-def _finish(result: Run, beside: PageBeside | None) -> list[str]:
-    """Wait for the page, and say what it could not be written for."""
+def _finish(result: Run, folder: Path, told: Told, beside: PageBeside | None) -> list[str]:
+    """Write the events, wait for the page, and say what could not be written."""
+    from ..events import write_events
+
     notes: list[str] = []
-    if beside:
-        with _spared(result, notes):
+    with _spared(result, notes):
+        write_events(told.events, folder)
+        if beside:
             beside.finish()
     return notes
 
@@ -280,7 +282,7 @@ def _spared(result: Run, notes: list[str]) -> Iterator[None]:
     """Note what cannot be written of a run that stopped early: why it stopped is to be said."""
     try:
         yield
-    except OSError as error:
+    except (OSError, orchestrator.UnwrittenError) as error:
         if result.completed:
             raise
         notes.append(f"not all pictures and tables could be written: {error}")
@@ -333,11 +335,10 @@ def _judged(result: Run, counting: Counting) -> Told:
 def _say(told: Told, result: Run, folder: Path, lost: list[str], form: str) -> None:
     """Say the verdict in parts in the results, and with the statistics at the end, in a form."""
     from ...events import nadal_rule
-    from ..events import print_events, write_events
+    from ..events import print_events
     from ..summary import numbers, print_summary
 
     notes = [*result.notes, *lost, *told.remarks, *_say_in_results(told.parts, folder)]
-    write_events(told.events, folder)
     if form == JSON:
         print_json(
             folder=folder,

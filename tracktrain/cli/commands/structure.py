@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from orchestrator import whole_file
+
 from ...errors import TracktrainError
 from ...options.fields import adding
 from ...options.out import file_option
@@ -120,7 +122,8 @@ def _write_hopper(path: Path) -> None:
         raise TracktrainError(f"'{path}' is there already; give another name")
     writable(path.parent)
     shipped = files("structures.hopper").joinpath("hopper.toml")
-    path.write_text(shipped.read_text(encoding="utf-8"), encoding="utf-8")
+    with whole_file(path) as new:
+        new.write_text(shipped.read_text(encoding="utf-8"), encoding="utf-8")
     click.echo(f"{path}: change it, then 'tracktrain structure {path}'")
 
 
@@ -149,7 +152,8 @@ def _solve(model: Path, out: Path, options: dict[str, Any]) -> None:
     )
     if found.modes is not None:
         data = replace(data, residual_flexibility=None)  # only of the model's own modes is it known
-    write_modal_data(data, out)
+    with whole_file(out) as new:
+        write_modal_data(data, new)
     _say(found.structure, data)
     _picture(found.structure, out.with_suffix(".png"))
     click.echo(f"{out}: 'tracktrain carbody {out}' makes the FMU")
@@ -205,5 +209,6 @@ def _picture(structure: Structure, path: Path) -> None:
     if not structure.faces:
         click.echo("matrices have no elements to draw: no picture")
         return
-    model_figure(structure).savefig(path, dpi=150)
+    with whole_file(path) as new:
+        model_figure(structure).savefig(new, dpi=150)
     click.echo(f"{path}: the model")

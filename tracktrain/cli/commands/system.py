@@ -9,6 +9,8 @@ from typing import Any
 import click
 from rich.table import Table
 
+from orchestrator import whole_file
+
 from ...errors import TracktrainError
 from ...options.chosen import (
     CAR_ONLY,
@@ -20,7 +22,6 @@ from ...options.chosen import (
     system_options,
 )
 from ...terminal import plain_console, print_whole
-from ...whole import whole
 
 KINDS = (".svg", ".png", ".pdf")
 
@@ -79,6 +80,6 @@ def command(
         for connection in system.connections:
             console.print(f"{connection.source} -> {connection.target}", soft_wrap=True)
     if picture is not None:
-        with whole(picture) as new:
+        with whole_file(picture) as new:
             system.plot().savefig(new)
         console.print(str(picture))

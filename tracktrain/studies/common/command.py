@@ -11,7 +11,6 @@ from rich.console import Console
 
 from ...cli.as_json import print_json
 from ...cli.outcome import outcome_options
-from ...errors import TracktrainError
 from ...terminal import print_whole, printable, progress_bar, writable
 from .outcome import Outcome
 
@@ -49,11 +48,7 @@ def study_command(
 
 def deliver(outcome: Outcome, folder: Path, quiet: bool, as_json: bool) -> None:
     """Write an outcome to a folder, and print it as tables or as JSON."""
-    try:
-        outcome.write(folder)
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise TracktrainError(f"'{folder}' cannot be written to ({reason})") from None
+    outcome.write(folder)
     if as_json:
         found = {"title": outcome.title, "tables": outcome.tables, "notes": outcome.notes}
         print_json(**found, folder=folder)

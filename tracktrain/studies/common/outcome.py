@@ -11,6 +11,9 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
+from orchestrator import whole_file
+
+from ...netcdf import write_netcdf
 from ...plots import STYLE
 from ...sheets import Sheet
 
@@ -34,20 +37,22 @@ class Outcome:
     def write(self, folder: Path | str) -> list[Path]:
         """Write data.nc, a CSV file a table, a PNG file a picture; returns the paths.
 
-        Raises OSError for a folder that cannot be written to.
+        Raises orchestrator.UnwrittenError.
         """
         place = Path(folder)
-        place.mkdir(parents=True, exist_ok=True)
-        self.dataset.to_netcdf(place / "data.nc", engine="netcdf4")
         written = [place / "data.nc"]
+        with whole_file(written[-1]) as new:
+            write_netcdf(self.dataset, new)
         for name, table in self.tables.items():
             written.append(place / f"{name}.csv")
-            table.to_csv(written[-1], index=any(table.index.names))
+            with whole_file(written[-1]) as new:
+                table.to_csv(new, index=any(table.index.names))
         for name, picture in self.pictures.items():
             written.append(place / f"{name}.png")
-            with mpl.rc_context(STYLE):
-                picture.savefig(written[-1])
+            with mpl.rc_context(STYLE), whole_file(written[-1]) as new:
+                picture.savefig(new)
         for name, content in self.files.items():
             written.append(place / name)
-            written[-1].write_bytes(content)
+            with whole_file(written[-1]) as new:
+                new.write_bytes(content)
         return written

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import click
 
+from orchestrator import whole_file
+
 from ....errors import TracktrainError
-from ....whole import whole
 
 
 @click.command(
@@ -33,7 +34,7 @@ def command(out: Path, source: str, says: tuple[str, ...]) -> None:
     if out.suffix.lower() != ".csv":
         raise TracktrainError(f"'{out}' is no CSV file by its name; call it '{out.stem}.csv'")
     profile = profile_of(source, says)
-    with whole(out) as new:
+    with whole_file(out) as new:
         new.write_text(as_text(profile), encoding="utf-8")
     click.echo(f"{out}: {profile.kind}, {len(profile.points)} points")
     for line in profile.said:

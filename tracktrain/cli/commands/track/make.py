@@ -7,10 +7,11 @@ from pathlib import Path
 
 import click
 
+from orchestrator import whole_file
+
 from ....errors import TracktrainError
 from ....options.car import layout_option, say_option, seed_option
 from ....options.types import Quantity
-from ....whole import whole
 
 LENGTH = ("m", "ft", "km", "mi")
 DEFAULT_LENGTH, DEFAULT_SPACING = 500.0, 0.1
@@ -118,7 +119,7 @@ def command(
         track = with_shapes(track, [shape for text in shapes for shape in read_shape(text, place)])
     if layout is not None:
         track = with_layout(track, elements, layout.name)
-    with whole(out) as new:
+    with whole_file(out) as new:
         new.write_text(as_text(track), encoding="utf-8")
     click.echo(
         f"{out}: {track.first:.6g} to {track.last:.6g} m, {track.values.shape[1]} stations each "

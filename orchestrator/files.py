@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from .errors import TracktrainError
+from .errors import UnwrittenError
 
 
 @contextmanager
-def whole(path: Path) -> Iterator[Path]:
+def whole_file(path: Path | str) -> Iterator[Path]:
     """Where to write what takes a file's place when all of it is there; its folder is made.
 
     What is written there in part, as on a full disk, goes, and an older file stays. Raises
-    TracktrainError for a place that cannot be written to.
+    UnwrittenError for a place that cannot be written to.
     """
-    there = path.resolve()  # a link stays one
-    new = there.with_name(f"{there.stem}.new{there.suffix}")
+    there = Path(path).resolve()  # a link stays one
+    new = there.with_name(f"{there.stem}.{os.getpid()}{there.suffix}")
     if there.exists() and not there.is_file():  # a device or a pipe has no place to be taken
         new = there
     try:
@@ -27,9 +28,10 @@ def whole(path: Path) -> Iterator[Path]:
             new.replace(there)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
-        raise TracktrainError(
+        raise UnwrittenError(
             f"'{path}' cannot be written: {reason}; make room there, or choose another place"
         ) from None
     finally:
         if new != there:
-            new.unlink(missing_ok=True)
+            with suppress(OSError):
+                new.unlink()
