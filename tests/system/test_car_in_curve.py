@@ -127,9 +127,11 @@ def test_guiding_force_wear_and_cant_deficiency_are_those_of_the_curve(curve):
 def test_a_run_says_which_curve_it_went_through(curve):
     (said,) = remarks(curve[1].dataset)
     assert "curve to the left, radius 500 m" in said
-    assert "cant 50 mm (1.97 in), cant deficiency" in said
+    assessed = assess(curve[1].dataset).loc["cant deficiency by 49 CFR 213.57", "value"]
+    assert f"cant 50 mm (1.97 in), cant deficiency {25.4 * assessed:.0f} mm" in said
+    assert f"({assessed:.2f} in)" in said
     faster = curve[1].dataset.copy()
-    faster["track.frame.ay"] = 3 * faster["track.frame.ay"]
+    faster["track.speed_out"] = 1.5 * faster["track.speed_out"]
     (beyond,) = remarks(faster)
     assert beyond.endswith("more than the 76 mm (3.00 in) of 49 CFR 213.57 (c)")
     assert "213.57" not in said

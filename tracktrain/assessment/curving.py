@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
 
+from ..car.curving import cant_deficiency
 from ..car.layout import SIDES
-from ..geometry.layout import CHORD
 from ..geometry.sections import Section
 from . import windows
 from .car import Car, Rows
 from .criteria import LIMITS, MEASURES, Found, limit, measure
-from .rules import Rule, to_si
+from .rules import Rule
 
 __all__ = ["LIMITS", "MEASURES"]
-
-UNBALANCE = 0.0007
-"""[in/(deg mph2)], 49 CFR 213.57"""
 
 
 @limit("en_quasi_static_force")
@@ -59,14 +55,9 @@ def _wear(car: Car, rule: Rule) -> Found:
 
 @measure("fra_cant_deficiency")
 def _cant_deficiency(car: Car, rule: Rule) -> Found:
-    """49 CFR 213.57 (b), solved for E_u."""
     for (section, rows), (place, _) in zip(car.curves, _bodies(car), strict=True):
-        degree = math.degrees(2 * math.asin(CHORD / 2 / section.radius))
-        speed = float(car.speeds[rows].mean()) / to_si(1.0, "mi/hr")
-        yield (
-            place.removeprefix(", "),
-            UNBALANCE * degree * speed**2 * to_si(1, "in") - section.cant,
-        )
+        speed = float(car.speeds[rows].mean())
+        yield place.removeprefix(", "), cant_deficiency(section, speed)
 
 
 def _bodies(car: Car) -> Iterator[tuple[str, Rows]]:
