@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -71,9 +72,9 @@ class _Text:
     def __init__(self, context: Context) -> None:
         self._plan, self._slaves = context.plan, context.slaves
         self._coupling = couple(self._plan)
-        self._targets, seeds = gather(self._plan, self._coupling)
+        self._targets = gather(self._plan, self._coupling)
         self._leads = leads_of(self._plan, self._coupling, self._targets)
-        self._seeds = seed_leads(self._plan, self._coupling, self._targets, seeds)
+        self._seeds = seed_leads(self._plan, self._coupling, self._targets)
         used = {lead.column for group in self._groups() for lead in group if _is_end(lead)}
         used |= {
             self._plan.column_of[n, tangent.output]
@@ -86,7 +87,7 @@ class _Text:
 
     def _groups(self) -> Iterator[Sequence[Lead]]:
         yield from self._leads
-        yield from self._seeds
+        yield from chain.from_iterable(self._seeds)
 
     def program(self) -> str:
         """All of it: types, lists of value references, the loop."""
@@ -128,8 +129,9 @@ class _Text:
 
     def _step(self, slave: int) -> Iterator[str]:
         target, leads = self._targets[slave], self._leads[slave]
+        seeds = iter(self._seeds[slave])
         for call in target.calls:
-            yield from self._tangent(call)
+            yield from self._tangent(call, [] if call.seed else next(seeds))
         inputs = [link.input.reference for link in target.links]
         known = self._plan.descriptions[slave].variables
         references = [*inputs, *(known[name].reference for name in target.partials)]
@@ -139,17 +141,15 @@ class _Text:
         yield from self._send(slave, references)
         if leads:
             for n, lead in enumerate(leads):
-                speed, bend = self._lead(lead)
-                yield f"v[{n}] = {speed} + H / 3.0 * {bend};"
+                yield f"v[{n}] = {self._slope(lead)};"
             own = [lead.link.input.reference for lead in leads]
             orders = self._list([1] * len(leads), "int")
             yield self._call("rates", "set_rates", slave, self._list(own), len(own), orders, "v")
         yield self._call("step", "do_step", slave, "start + (double)k * H", "H", 1)
         finals = [lead for lead in leads if lead.second >= 0]
         for n, lead in enumerate(finals):
-            speed, bend = self._lead(lead)
-            begin = self._value(lead.link)
-            yield f"v[{n}] = {begin} + H * ({speed} + 0.5 * H * {bend});"
+            slope, begin = self._slope(lead), self._value(lead.link)
+            yield f"v[{n}] = {begin} + H * ({slope} + H / 6.0 * {self._bend(lead)});"
         if finals:
             yield from self._send(slave, [lead.link.input.reference for lead in finals])
         first = self._plan.first_column[slave]
@@ -161,36 +161,35 @@ class _Text:
         yield from self._send(batch.instance, [link.input.reference for link in links])
         yield from self._read(batch.instance, *columns_of(self._plan, batch))
 
-    def _tangent(self, call: Call) -> Iterator[str]:
+    def _tangent(self, call: Call, seeds: Sequence[Lead]) -> Iterator[str]:
         known = self._plan.descriptions[call.source].variables
         unknowns = self._list([known[name].reference for name in call.unknowns])
         knowns = self._list([link.input.reference for link in call.knowns])
-        seed = self._list(call.seed, "double")
-        if call.seed_group >= 0:
-            seed = "seed"
-            for n, lead in enumerate(self._seeds[call.seed_group]):
-                speed, bend = self._lead(lead)
-                yield f"seed[{n}] = {speed} + H / 3.0 * {bend};"
+        seed = self._list(call.seed, "double") if call.seed else "seed"
+        for n, lead in enumerate(seeds):
+            yield f"seed[{n}] = {self._slope(lead)};"
         counts = len(call.unknowns), len(call.knowns)
         yield self._call(
             *("directional", "directional", call.source),
             *(unknowns, counts[0], knowns, counts[1], seed, f"result + {call.first_result}"),
         )
 
-    def _lead(self, lead: Lead) -> tuple[str, str]:
-        """C of an input's speed and bend over the step."""
+    def _slope(self, lead: Lead) -> str:
+        """C of the slope of an input's line over the step."""
         if lead.shape != LINE:
             raise NotImplementedError("the floor leads inputs along lines only")
-        gain = f"{lead.link.gain!r} *"
+        gain, column, width = f"{lead.link.gain!r} *", lead.column, len(self._plan.columns)
         if lead.kind == KNOWN_END:
-            return f"({gain} ((next[{lead.column}] - now[{lead.column}]) / H))", "0.0"
+            return f"({gain} ((next[{column}] - now[{column}]) / H))"
         if lead.kind == DERIVED:
-            return f"({gain} result[{lead.rate}])", "0.0"
+            return f"({gain} result[{lead.rate}])"
         if lead.kind == EXTRAPOLATED:
-            column, width = lead.column, len(self._plan.columns)
-            return f"({gain} ((now[{column}] - now[{column - width}]) / H))", "0.0"
-        bend = f"({gain} {lead.second_gain!r} * now[{lead.second}])" if lead.second >= 0 else "0.0"
-        return f"({gain} {lead.rate_gain!r} * now[{lead.rate}])", bend
+            return f"({gain} ((now[{column}] - now[{column - width}]) / H))"
+        bent = f" + H / 3.0 * {self._bend(lead)}" if lead.second >= 0 else ""
+        return f"({gain} ({lead.rate_gain!r} * now[{lead.rate}]){bent})"
+
+    def _bend(self, lead: Lead) -> str:
+        return f"({lead.link.gain!r} * ({lead.second_gain!r} * now[{lead.second}]))"
 
     def _value(self, link: Link, row: str = "now") -> str:
         column = self._plan.column_of[link.source, link.output.name]

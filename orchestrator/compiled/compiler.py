@@ -43,7 +43,7 @@ PLATFORMS = {
 # what its address is said to point to, whoever wrote it.
 FLAGS = (
     *("-std=c11", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fno-strict-aliasing"),
-    *("-fPIC", "-shared", "-fvisibility=hidden", "-g0", "-w"),
+    *("-fPIC", "-shared", "-fvisibility=hidden", "-fomit-frame-pointer", "-g0", "-w"),
 )
 
 

@@ -55,6 +55,12 @@ static inline int64_t bits_of(double number) {
 }
 """
 
+# Sums in any order, many at a time: an addition waits for the one before it.
+_REASSOCIATED, _INTERLEAVED = (
+    f"#ifdef __clang__\n#pragma clang {said}\n#endif"
+    for said in ("fp reassociate(on)", "loop interleave_count(8)")
+)
+
 
 @dataclass
 class Translated:
@@ -178,7 +184,7 @@ class Body(Expressions):
             if n not in self._parameters
         ]
         if self._function in REASSOCIATED:
-            own.insert(0, "#ifdef __clang__\n#pragma clang fp reassociate(on)\n#endif")
+            own.insert(0, _REASSOCIATED)
         head = f"static {self.unit.declare(result)} {name}({', '.join(parameters) or 'void'}) {{"
         text = "\n".join([head, *own, *("    " + line for line in lines), "}", ""])
         return text, Translated(name, result, self.raises)
@@ -265,7 +271,8 @@ class Body(Expressions):
         bounds = f"int64_t {counter} = {begin}, end_{counter} = {end}"
         head = f"for ({bounds}; {counter} < end_{counter}; {counter}++)"
         lines = self._block(head, node.body)
-        return [lines[0], f"    {name} = {item.text};", *lines[1:]]
+        before = [_INTERLEAVED] if self._function in REASSOCIATED else []
+        return [*before, lines[0], f"    {name} = {item.text};", *lines[1:]]
 
     def _do_augassign(self, node: ast.AugAssign) -> list[str]:
         loaded = ast.parse(ast.unparse(node.target), mode="eval").body

@@ -37,11 +37,12 @@ def end_table(
     coupling: Coupling,
     targets: Sequence[Target],
     groups: Sequence[Sequence[Lead]],
+    seeds: Sequence[Sequence[Sequence[Lead]]],
     first_slot: Ints,
     led: Sequence[Link],
 ) -> Ends:
     """The table of the links `led`, which are sorted by target, with `led_alone` first."""
-    numbers = {lead.link: n for numbered in numbered_leads(groups) for lead, n in numbered}
+    numbers = {lead.link: n for numbered in numbered_leads(groups, seeds) for lead, n in numbered}
     alone = led_alone(groups, coupling)
     slot, lead, term_end, term_slot, term_column = [], [], [], [], []
     count, lines, sizes = [0] * len(targets), [0] * len(targets), [0] * len(targets)
@@ -75,13 +76,15 @@ def keep_ends(
     slave: int, ends: Ends, inputs: Feed, leads: Leads, record: Record, k: int, length: float
 ) -> None:
     """Keep what a slave's inputs were led to at the end of the step from row k."""
+    if ends.first[slave] == ends.first[slave + 1]:
+        return
     before, after, values = at(record, k), at(record, k + 1), inputs.packets.value
     rows, kept = record.rows, record.ends
-    slots, of, speed, bend = ends.slot, ends.lead, leads.speed, leads.bend
-    half = 0.5 * length
+    slots, of, slope, bend = ends.slot, ends.lead, leads.slope, leads.bend
+    sixth = length / 6.0
     for n in range(ends.first[slave], ends.lines[slave]):
         lead = of[n]
-        kept[before, n] = values[slots[n]] + length * (speed[lead] + half * bend[lead])
+        kept[before, n] = values[slots[n]] + length * (slope[lead] + sixth * bend[lead])
     for n in range(ends.lines[slave], ends.first[slave + 1]):
         kept[before, n] = values[slots[n]]
         if of[n] >= 0:

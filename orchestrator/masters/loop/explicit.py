@@ -15,6 +15,7 @@ move along the polynomial through their last values.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import chain
 
 from ...compiled.entries import macro_loop
 from ...compiled.marks import in_c
@@ -30,6 +31,7 @@ from .leads import (
     KNOWN_END,
     Leads,
     Led,
+    derive,
     extrapolate,
     fill_finals,
     fill_rates,
@@ -38,26 +40,37 @@ from .leads import (
     lead_tables,
     leads_of,
     seed_leads,
+    seed_slopes,
 )
 from .packets import Feed, feed, fill_inputs, send, send_rates
 from .record import Record, at
 from .refresh import Refresh, refresh_table
 from .tables import DERIVE, Calls, calls, do_step, early_columns, goes_on, read_early, stands
-from .tangents import Tangents, gather, tangent_table
+from .tangents import (
+    KNOWN,
+    KNOWNS,
+    RESULT,
+    SEED,
+    SOURCE,
+    UNKNOWN,
+    UNKNOWNS,
+    Tangents,
+    gather,
+    tangent_table,
+)
 
 
 def prepare(plan: Plan, slaves: Sequence[Slave], coupling: Coupling) -> Prepared:
     """Tables for `advance`."""
     led = [link for bond in plan.bonds for link in (bond.force, bond.velocity)]
-    targets, seed_links = gather(plan, coupling)
-    groups = leads_of(plan, coupling, targets)
+    targets = gather(plan, coupling)
+    groups, seeds = leads_of(plan, coupling, targets), seed_leads(plan, coupling, targets)
     straight = led_alone(groups, coupling)
     led = sorted(dict.fromkeys(led), key=lambda link: (link.target, link not in straight))
-    seed_groups = seed_leads(plan, coupling, targets, seed_links)
     first_slot = starts([len(t.links) + len(t.partials) for t in targets])
-    ends = end_table(plan, coupling, targets, groups, first_slot, led)
+    ends = end_table(plan, coupling, targets, groups, seeds, first_slot, led)
     used = {
-        lead.column for group in [*groups, *seed_groups] for lead in group if lead.kind == KNOWN_END
+        lead.column for group in chain(groups, *seeds) for lead in group if lead.kind == KNOWN_END
     }
     used |= {int(column) for column in ends.term_column}
     table = calls(plan, slaves, early_columns(plan, used))
@@ -66,14 +79,16 @@ def prepare(plan: Plan, slaves: Sequence[Slave], coupling: Coupling) -> Prepared
         for i, target in enumerate(targets)
     ]
     inputs = feed(plan, [target.links for target in targets], references)
+    leads, rates, finals = lead_tables(plan, groups, seeds, first_slot)
     tables = (
         table,
         inputs,
         refresh_table(plan, table),
         coupling.degree,
-        tangent_table(plan, targets, inputs.packets),
-        *lead_tables(plan, groups, coupling.degree, first_slot),
-        *lead_tables(plan, seed_groups, coupling.degree)[:2],
+        tangent_table(plan, targets, inputs.packets, seed_slopes(leads)),
+        leads,
+        rates,
+        finals,
         ends,
         alone(coupling.order),
     )
@@ -111,8 +126,6 @@ def advance(
     leads: Leads,
     rates: Led,
     finals: Led,
-    seeds: Leads,
-    seed_rates: Led,
     ends: Ends,
     crew: Crew,
 ) -> None:
@@ -124,13 +137,10 @@ def advance(
                 carry_on(calls, slave, record, k + 1, degree, step)
                 continue
             begin, length = k + 1 - window, window * step
-            if not ask_tangents(
-                calls, slave, tangents, seeds, seed_rates, inputs, window, degree, record, k, step,
-                report,
-            ):  # fmt: skip
-                break
             fill_inputs(inputs, slave, record, begin)
-            find_leads(leads, slave, window, degree, record, k, step, tangents.result)
+            find_leads(leads, slave, window, degree, record, k, step)
+            if not ask_tangents(calls, slave, tangents, inputs, leads, report):
+                break
             lead_constants(leads, slave, inputs, length)
             if not send(calls, slave, inputs.packets, slave, report):
                 break
@@ -163,36 +173,24 @@ def carry_on(calls: Calls, slave: int, record: Record, k: int, degree: int, step
 
 @in_c
 def ask_tangents(
-    calls: Calls,
-    slave: int,
-    tangents: Tangents,
-    seeds: Leads,
-    seed_rates: Led,
-    inputs: Feed,
-    window: int,
-    degree: int,
-    record: Record,
-    k: int,
-    step: float,
-    report: Ints,
+    calls: Calls, slave: int, tangents: Tangents, inputs: Feed, leads: Leads, report: Ints
 ) -> bool:
-    """Ask the sources for the tangents at row k that a slave takes; False if stopped."""
-    for n in range(tangents.first[slave], tangents.first[slave + 1]):
-        source, group = tangents.source[n], tangents.seed_group[n]
-        seed = tangents.seed_address[n]
-        if group >= 0:
-            find_leads(seeds, group, window, degree, record, k, step, tangents.result)
-            fill_rates(seed_rates, group, seeds, window * step)
-            seed = seed_rates.packets.value_address[group]
+    """Ask the sources for the tangents that a slave takes; False if stopped."""
+    first, last = tangents.first[slave], tangents.first[slave + 1]
+    if first == last:
+        return True
+    call = tangents.call
+    for n in range(first, last):
+        source = call[n, SOURCE]
         status = ffi.directional(
             calls.directional[source],
             calls.instance[source],
-            tangents.unknown_address[n],
-            tangents.unknown_count[n],
-            tangents.known_address[n],
-            tangents.known_count[n],
-            seed,
-            tangents.result_address[n],
+            call[n, UNKNOWN],
+            call[n, UNKNOWNS],
+            call[n, KNOWN],
+            call[n, KNOWNS],
+            call[n, SEED],
+            call[n, RESULT],
         )
         if not goes_on(report, source, DERIVE, status):
             return False
@@ -200,4 +198,5 @@ def ask_tangents(
     slot, entry, gain = tangents.slot, tangents.entry, tangents.gain
     for n in range(tangents.first_slot[slave], tangents.first_slot[slave + 1]):
         value[slot[n]] = gain[n] * result[entry[n]]
+    derive(leads, slave, result)
     return True

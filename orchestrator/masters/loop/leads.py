@@ -15,14 +15,14 @@ import numpy as np
 from ...compiled.marks import in_c
 from ...plan.plan import Link, Plan
 from ..coupling import Coupling, Way, interpolated
-from .arrays import Floats, Ints, addresses, ints, starts
+from .arrays import Floats, IntMatrix, Ints, addresses, ints, starts
 from .packets import Feed, Packets, ascending, packets
 from .record import Record, at
 from .tangents import Target
 
-KNOWN_END, DERIVED, DECLARED_RATE, EXTRAPOLATED, BENT_RATE = range(5)
-"""Where a speed comes from: both ends, a tangent's source, a declared rate, the last values, a
-declared rate that has one itself."""
+KINDS = KNOWN_END, DECLARED_RATE, EXTRAPOLATED, BENT_RATE, DERIVED = range(5)
+"""Where a slope comes from: both ends, a declared rate, the last values, a declared rate that has
+one itself, a tangent's source."""
 
 LINE, PARABOLA, MEAN, END = range(4)
 """What an FMU is given of its input: the line with the parabola's mean, the parabola, the mean as a
@@ -30,21 +30,20 @@ constant, or the known end as a constant."""
 
 
 class Leads(NamedTuple):
-    """Inputs by group: value + speed t + bend t^2 / 2, with t [s] from the step's beginning.
+    """Inputs by group: value + slope t + bend (t^2 / 2 - length t / 3), t [s] in a step's length.
 
-    Speed and bend are `gain` times what is known of the source's `column`. A group is in the order
-    of the kinds: known, derived, declared and extrapolated are where those of the first four stop.
+    So the slope is that of the line with the mean of the parabola. By slave there are groups
+    whose slopes are the seeds of its tangents, and behind them, as the last, that of its inputs.
+    first: by group where each kind begins, and where the last one stops.
+    Slope and bend are `gain` times what is known of the source's `column`.
     rate: the column of a declared rate times `rate_gain`, or the entry of a tangent's results;
     second: the column of its own declared rate times `second_gain`, or -1. every: macro steps
     between two new values of the column. slot: the input's place in the feed. constant: of those
-    that are constant over a step, by group.
+    that are constant over a step, by slave.
     """
 
-    first: Ints
-    known: Ints
-    derived: Ints
-    declared: Ints
-    extrapolated: Ints
+    first_group: Ints
+    first: IntMatrix
     column: Ints
     gain: Floats
     rate: Ints
@@ -56,20 +55,18 @@ class Leads(NamedTuple):
     slot: Ints
     first_constant: Ints
     constant: Ints
-    speed: Floats
+    slope: Floats
     bend: Floats
 
 
 class Led(NamedTuple):
-    """Numbers to send by group, and the lead that each follows from.
+    """Numbers to send by slave, and the lead that each follows from.
 
-    plain: where the group's first numbers stop that are the speeds of its leads in turn. copied:
-    where they begin that are to be copied: there, too, where the group has no others; those the FMU
-    reads where they are found.
+    copied: where those begin that are to be copied: at the slave's last where the FMU reads slopes
+    in the place where they are found.
     """
 
     packets: Packets
-    plain: Ints
     copied: Ints
     lead: Ints
 
@@ -125,50 +122,43 @@ def best_lead(plan: Plan, coupling: Coupling, link: Link, reader: int) -> Lead:
     return lead
 
 
-def seed_leads(
-    plan: Plan, coupling: Coupling, targets: Sequence[Target], seeds: Sequence[Sequence[Link]]
-) -> list[list[Lead]]:
-    """Leads of the inputs whose speeds are seeds of tangents; the calls take them in this order."""
-    found: list[list[Lead]] = [[] for _ in seeds]
+def seed_leads(plan: Plan, coupling: Coupling, targets: Sequence[Target]) -> list[list[list[Lead]]]:
+    """By slave and call leads of inputs whose slopes are seeds; the call gets their order."""
+    found: list[list[list[Lead]]] = [[] for _ in targets]
     for reader, target in enumerate(targets):
         for call in target.calls:
-            if call.seed_group >= 0:
+            if not call.seed:
                 leads = [best_lead(plan, coupling, link, reader) for link in call.knowns]
                 leads.sort(key=lambda lead: lead.kind)
                 for lead in leads:
                     lead.shape = LINE  # whatever the source takes of its inputs
                 call.knowns = [lead.link for lead in leads]
-                found[call.seed_group] = leads
+                found[reader].append(leads)
     return found
 
 
 def lead_tables(
-    plan: Plan, groups: Sequence[Sequence[Lead]], degree: int, first_slot: Ints | None = None
-) -> tuple[Leads, Led, Led]:
-    """Tables of groups of leads, of their input derivatives, and of the inputs set at the end.
+    plan: Plan, groups: Sequence[Sequence[Lead]], seeds: Sequence[Sequence[Sequence[Lead]]],
+    first_slot: Ints,
+) -> tuple[Leads, Led, Led]:  # fmt: skip
+    """Tables of leads, of their input derivatives, and of the inputs set at a step's end.
 
-    first_slot: where each slave's inputs begin in the feed. Set at the end are inputs that do not
-    end where they were led: there they belong before outputs are read.
+    groups: of the inputs, by slave; seeds: of the tangents, by slave and call. first_slot: where
+    each slave's inputs begin in the feed. Set at the end are inputs that do not end where they were
+    led: there they belong before outputs are read.
     """
-    flat = [lead for group in groups for lead in group]
-    slots = [-1] * len(flat)
-    if first_slot is not None:
-        at = {
-            k: n for i in range(len(plan.names)) for n, k in enumerate(ascending(plan.links_of(i)))
-        }
-        slots = [int(first_slot[lead.link.target]) + at[lead.link] for lead in flat]
-    first = starts([len(group) for group in groups])
-    known, derived, declared, extrapolated = (
-        first[:-1] + ints(sum(lead.kind <= kind for lead in group) for group in groups)
-        for kind in (KNOWN_END, DERIVED, DECLARED_RATE, EXTRAPOLATED)
-    )
-    constants = [[n for lead, n in g if lead.shape in (MEAN, END)] for g in numbered_leads(groups)]
+    parts = [part for own, before in zip(groups, seeds, strict=True) for part in (*before, own)]
+    flat = [lead for part in parts for lead in part]
+    slot_of = {
+        link: int(first_slot[slave]) + n
+        for slave in range(len(groups))
+        for n, link in enumerate(ascending(plan.links_of(slave)))
+    }
+    own = numbered_leads(groups, seeds)
+    constants = [[n for lead, n in group if lead.shape in (MEAN, END)] for group in own]
     leads = Leads(
-        first=first,
-        known=known,
-        derived=derived,
-        declared=declared,
-        extrapolated=extrapolated,
+        first_group=starts([len(before) + 1 for before in seeds]),
+        first=_first_of_kinds(parts),
         column=ints(lead.column for lead in flat),
         gain=np.array([lead.link.gain for lead in flat], float),
         rate=ints(lead.rate for lead in flat),
@@ -177,66 +167,70 @@ def lead_tables(
         second_gain=np.array([lead.second_gain for lead in flat], float),
         every=ints(plan.every[lead.link.source] for lead in flat),
         shape=ints(lead.shape for lead in flat),
-        slot=ints(slots),
+        slot=ints(slot_of[lead.link] for lead in flat),
         first_constant=starts([len(group) for group in constants]),
         constant=ints(n for group in constants for n in group),
-        speed=np.zeros(len(flat)),
+        slope=np.zeros(len(flat)),
         bend=np.zeros(len(flat)),
     )
     orders = {LINE: (1,), PARABOLA: (1, 2), MEAN: (), END: ()}
     rates = [
-        [(lead, n, order) for lead, n in numbered for order in orders[lead.shape]]
-        for numbered in numbered_leads(groups)
+        [(lead, n, order) for lead, n in group for order in orders[lead.shape]] for group in own
     ]
     finals = [
         [
             (lead, n, 0)
-            for lead, n in numbered
+            for lead, n in group
             if (lead.second >= 0 or lead.shape == MEAN)
             and plan.descriptions[lead.link.target].reads_any_time
         ]
-        for numbered in numbered_leads(groups)
+        for group in own
     ]
-    return leads, _led(rates, leads, degree), _led(finals)
+    return leads, _led(rates, leads), _led(finals)
 
 
-def numbered_leads(groups: Sequence[Sequence[Lead]]) -> list[list[tuple[Lead, int]]]:
-    """Leads by group, each with its place in the table."""
-    first = starts([len(group) for group in groups])
+def numbered_leads(
+    groups: Sequence[Sequence[Lead]], seeds: Sequence[Sequence[Sequence[Lead]]]
+) -> list[list[tuple[Lead, int]]]:
+    """Leads of the inputs by slave, each with its place in the table."""
+    sizes = [sum(map(len, before)) for before in seeds]
+    begins = starts([len(own) + size for own, size in zip(groups, sizes, strict=True)])
     return [
-        [(lead, int(begin) + n) for n, lead in enumerate(group)]
-        for begin, group in zip(first, groups, strict=False)
+        [(lead, int(begin) + size + n) for n, lead in enumerate(own)]
+        for begin, size, own in zip(begins, sizes, groups, strict=False)
     ]
 
 
-def _led(
-    groups: Sequence[Sequence[tuple[Lead, int, int]]], leads: Leads | None = None, degree: int = 0
-) -> Led:
-    """Numbers to send by group: a lead, its place and the order of the derivative.
+def seed_slopes(leads: Leads) -> Ints:
+    """Addresses of the slopes that are seeds, by slave and call."""
+    groups = np.delete(np.arange(len(leads.first)), leads.first_group[1:] - 1)
+    return addresses(leads.slope, leads.first[groups, 0])
 
-    leads: where these are its speeds; degree: of the polynomial that extrapolates.
+
+def _first_of_kinds(parts: Sequence[Sequence[Lead]]) -> IntMatrix:
+    counts = [sum(lead.kind == kind for lead in part) for part in parts for kind in KINDS]
+    first = starts(counts)
+    begins = np.arange(len(parts))[:, None] * len(KINDS)
+    return np.ascontiguousarray(first[begins + np.arange(len(KINDS) + 1)])
+
+
+def _led(groups: Sequence[Sequence[tuple[Lead, int, int]]], leads: Leads | None = None) -> Led:
+    """Numbers to send by slave: a lead, its place and the order of the derivative.
+
+    leads: where these are its slopes, which an FMU may read there.
     """
     references = [[lead.link.input.reference for lead, _, _ in group] for group in groups]
     flat = [entry for group in groups for entry in group]
     made = packets(references, [order for _, _, order in flat])
-    plain, copied = made.first[:-1].copy(), made.first[:-1].copy()
+    copied = made.first[:-1].copy()
     for n, group in enumerate(groups):
-        if leads is None:
-            continue
-        begin = int(leads.first[n])
-        own = [
-            place == begin + m and order == 1 and not _bends(lead, degree)
-            for m, (lead, place, order) in enumerate(group)
-        ]
-        plain[n] += own.index(False) if False in own else len(own)
-        if all(own) and own:
-            made.value_address[n] = addresses(leads.speed, [begin])[0]
-            copied[n] = plain[n]
-    return Led(made, plain, copied, ints(n for _, n, _ in flat))
-
-
-def _bends(lead: Lead, degree: int) -> bool:
-    return lead.kind == BENT_RATE or (lead.kind == EXTRAPOLATED and degree > 1)
+        places = [place for _, place, _ in group]
+        in_turn = [*range(places[0], places[0] + len(group))] if group else []
+        lines = all(lead.shape == LINE for lead, _, _ in group)
+        if leads is not None and group and lines and places == in_turn:
+            made.value_address[n] = addresses(leads.slope, [places[0]])[0]
+            copied[n] = made.first[n + 1]
+    return Led(made, copied, ints(n for _, n, _ in flat))
 
 
 @in_c
@@ -264,45 +258,46 @@ def extrapolate(
 
 @in_c
 def find_leads(
-    leads: Leads, group: int, window: int, degree: int, record: Record, k: int, step: float,
-    result: Floats,
-) -> None:  # fmt: skip
-    """Speeds and bends of a group over the `window` macro steps that end at row k + 1."""
-    rows, end = record.rows, at(record, k + 1)
-    start, length = end - window, window * step
-    columns, gains, speeds = leads.column, leads.gain, leads.speed
-    known, derived, last = leads.known[group], leads.derived[group], leads.first[group + 1]
-    for n in range(leads.first[group], known):
-        column = columns[n]
-        speeds[n] = gains[n] * ((rows[end, column] - rows[start, column]) / length)
-    for n in range(known, derived):
-        speeds[n] = gains[n] * result[leads.rate[n]]
-    if derived < last:
-        if window == 1:
-            predict(leads, group, degree, record, k, step)
-        else:
-            predict_far(leads, group, window, degree, record, k, step)
+    leads: Leads, slave: int, window: int, degree: int, record: Record, k: int, step: float
+) -> None:
+    """What is known of a slave's leads before it asks for tangents, at row k.
+
+    That is over the `window` macro steps that end at row k + 1.
+    """
+    rows, end, length = record.rows, at(record, k + 1), window * step
+    start, first = end - window, leads.first
+    columns, gains, slopes = leads.column, leads.gain, leads.slope
+    for group in range(leads.first_group[slave], leads.first_group[slave + 1]):
+        predicted = first[group, KNOWN_END + 1]
+        for n in range(first[group, KNOWN_END], predicted):
+            column = columns[n]
+            slopes[n] = gains[n] * ((rows[end, column] - rows[start, column]) / length)
+        if predicted < first[group, DERIVED]:
+            if window == 1:
+                predict(leads, group, degree, record, k, step)
+            else:
+                predict_far(leads, group, window, degree, record, k, step)
 
 
 @in_c
 def predict(leads: Leads, group: int, degree: int, record: Record, k: int, step: float) -> None:
-    """Speeds and bends of a group's leads that the end of the step is not known of."""
+    """Slopes and bends of a group's leads that the end of the step is not known of."""
     rows, row, rates, gains = record.rows, at(record, k), leads.rate, leads.gain
-    speeds, bends, factors = leads.speed, leads.bend, leads.rate_gain
-    declared, extrapolated = leads.declared[group], leads.extrapolated[group]
-    for n in range(leads.derived[group], declared):
-        speeds[n] = gains[n] * (factors[n] * rows[row, rates[n]])
+    slopes, bends, factors, first = leads.slope, leads.bend, leads.rate_gain, leads.first
+    extrapolated, bent = first[group, EXTRAPOLATED], first[group, BENT_RATE]
+    for n in range(first[group, DECLARED_RATE], extrapolated):
+        slopes[n] = gains[n] * (factors[n] * rows[row, rates[n]])
     line = degree == 1 and k > 0
-    for n in range(declared, extrapolated):
+    for n in range(extrapolated, bent):
         column = leads.column[n]
         if line and leads.every[n] == 1:  # by far the most
-            speeds[n] = gains[n] * ((rows[row, column] - rows[row - 1, column]) / step)
+            slopes[n] = gains[n] * ((rows[row, column] - rows[row - 1, column]) / step)
         else:
             speed, bend = extrapolate(record, column, k, leads.every[n], degree, step)
-            speeds[n], bends[n] = gains[n] * speed, gains[n] * bend
-    for n in range(extrapolated, leads.first[group + 1]):
-        speeds[n] = gains[n] * (factors[n] * rows[row, rates[n]])
+            slopes[n], bends[n] = gains[n] * (speed + step / 3.0 * bend), gains[n] * bend
+    for n in range(bent, first[group, BENT_RATE + 1]):
         bends[n] = gains[n] * (leads.second_gain[n] * rows[row, leads.second[n]])
+        slopes[n] = gains[n] * (factors[n] * rows[row, rates[n]]) + step / 3.0 * bends[n]
 
 
 @in_c
@@ -311,28 +306,37 @@ def predict_far(
 ) -> None:
     """The same over several macro steps: from the value at the start to the predicted end."""
     rows, now, start = record.rows, at(record, k), at(record, k + 1 - window)
-    for n in range(leads.derived[group], leads.first[group + 1]):
+    extrapolated, bent = leads.first[group, EXTRAPOLATED], leads.first[group, BENT_RATE]
+    for n in range(leads.first[group, DECLARED_RATE], leads.first[group, DERIVED]):
         column, bend = leads.column[n], 0.0
-        if leads.declared[group] <= n and n < leads.extrapolated[group]:
+        if extrapolated <= n and n < bent:
             speed, bend = extrapolate(record, column, k, leads.every[n], degree, step)
         else:
             speed = leads.rate_gain[n] * rows[now, leads.rate[n]]
             if leads.second[n] >= 0:
                 bend = leads.second_gain[n] * rows[now, leads.second[n]]
         reached = rows[now, column] + step * (speed + 0.5 * step * bend)
-        leads.speed[n] = leads.gain[n] * ((reached - rows[start, column]) / (window * step))
+        leads.slope[n] = leads.gain[n] * ((reached - rows[start, column]) / (window * step))
+
+
+@in_c
+def derive(leads: Leads, slave: int, result: Floats) -> None:
+    """Slopes of a slave's inputs that are results of tangents."""
+    own = leads.first_group[slave + 1] - 1
+    for n in range(leads.first[own, DERIVED], leads.first[own, DERIVED + 1]):
+        leads.slope[n] = leads.gain[n] * result[leads.rate[n]]
 
 
 @in_c
 def change(leads: Leads, n: int, length: float) -> float:
     """Change of an input over a step of a length [s]."""
-    return length * (leads.speed[n] + 0.5 * length * leads.bend[n])
+    return length * (leads.slope[n] + length / 6.0 * leads.bend[n])
 
 
 @in_c
 def mean_change(leads: Leads, n: int, length: float) -> float:
     """The mean over a step of an input's change."""
-    return 0.5 * length * (leads.speed[n] + length / 3.0 * leads.bend[n])
+    return 0.5 * length * leads.slope[n]
 
 
 @in_c
@@ -346,9 +350,9 @@ def led_to(inputs: Feed, leads: Leads, n: int, length: float) -> float:
 
 
 @in_c
-def lead_constants(leads: Leads, group: int, inputs: Feed, length: float) -> None:
+def lead_constants(leads: Leads, slave: int, inputs: Feed, length: float) -> None:
     """Move the inputs that are constant over a step to their mean, or to their end."""
-    for place in range(leads.first_constant[group], leads.first_constant[group + 1]):
+    for place in range(leads.first_constant[slave], leads.first_constant[slave + 1]):
         n = leads.constant[place]
         if leads.shape[n] == MEAN:
             inputs.packets.value[leads.slot[n]] += mean_change(leads, n, length)
@@ -357,25 +361,22 @@ def lead_constants(leads: Leads, group: int, inputs: Feed, length: float) -> Non
 
 
 @in_c
-def fill_rates(rates: Led, group: int, leads: Leads, length: float) -> None:
-    """Input derivatives of a group: a line has the mean of the parabola over the step."""
-    first, value, plain = rates.packets.first, rates.packets.value, rates.plain[group]
-    speed, ahead = leads.speed, leads.first[group] - first[group]
-    for n in range(rates.copied[group], plain):
-        value[n] = speed[ahead + n]
-    for n in range(plain, first[group + 1]):
+def fill_rates(rates: Led, slave: int, leads: Leads, length: float) -> None:
+    """Input derivatives that an FMU does not read as slopes: those of a parabola, at its start."""
+    packets = rates.packets
+    for n in range(rates.copied[slave], packets.first[slave + 1]):
         lead = rates.lead[n]
-        if rates.packets.order[n] == 2:
-            value[n] = leads.bend[lead]
+        if packets.order[n] == 2:
+            packets.value[n] = leads.bend[lead]
         elif leads.shape[lead] == PARABOLA:
-            value[n] = speed[lead]
+            packets.value[n] = leads.slope[lead] - length / 3.0 * leads.bend[lead]
         else:
-            value[n] = speed[lead] + length / 3.0 * leads.bend[lead]
+            packets.value[n] = leads.slope[lead]
 
 
 @in_c
-def fill_finals(finals: Led, group: int, leads: Leads, inputs: Feed, length: float) -> None:
-    """Where the inputs of a group end that were led elsewhere."""
+def fill_finals(finals: Led, slave: int, leads: Leads, inputs: Feed, length: float) -> None:
+    """Where the inputs of a slave end that were led elsewhere."""
     packets = finals.packets
-    for n in range(packets.first[group], packets.first[group + 1]):
+    for n in range(packets.first[slave], packets.first[slave + 1]):
         packets.value[n] = led_to(inputs, leads, finals.lead[n], length)

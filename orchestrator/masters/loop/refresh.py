@@ -10,7 +10,7 @@ from ...compiled.marks import in_any_order, in_c
 from ...plan.plan import Plan, columns_of
 from ...slaves import calls as ffi
 from .arrays import Ints, addresses, ints
-from .packets import Feed, ascending, feed, set_inputs
+from .packets import Feed, ascending, feed, fill_inputs, send
 from .quasi_newton import begin_step, improve, settled, unknowns, worst
 from .record import Record, at, row_address
 from .tables import GET, LOOP, NOT_FINITE, Calls, goes_on, stands
@@ -100,7 +100,8 @@ def refresh_batch(
     slave = refresh.slave[batch]
     if not stands(calls, slave, k):
         return True
-    if not set_inputs(calls, slave, refresh.inputs, batch, record, k, report):
+    fill_inputs(refresh.inputs, batch, record, k)
+    if not send(calls, slave, refresh.inputs.packets, batch, report):
         return False
     status = ffi.reals(
         calls.get_real[slave],

@@ -14,31 +14,29 @@ import numpy as np
 
 from ...plan.plan import Link, Plan
 from ..coupling import Coupling, Way, drives, uncovered
-from .arrays import Floats, Ints, References, addresses, ints, starts
+from .arrays import Floats, IntMatrix, Ints, References, addresses, ints, starts
 from .packets import Packets, ascending
+
+SOURCE, UNKNOWN, UNKNOWNS, KNOWN, KNOWNS, SEED, RESULT = range(7)
+"""Numbers of a call: its slave; addresses and counts of what is asked, and along what; addresses of
+the seed and of the result."""
 
 
 class Tangents(NamedTuple):
     """Directional derivatives to ask for before a slave steps, and where they go.
 
-    By target slave. Seeds are constants, or the speeds of `seed_group` where that is not negative.
-    Results go right into the target's input slots where these take them as they are; else the slots
-    get `gain` times an entry of the results.
+    first: by target slave where its calls begin. call: their numbers, by row. Seeds are constants,
+    or slopes of leads where these stand. Results go right into the target's input slots where these
+    take them as they are; else the slots get `gain` times an entry of the results. unknown, known,
+    seed: what the addresses lead to.
     """
 
     first: Ints
-    source: Ints
+    call: IntMatrix
     unknown: References
-    unknown_count: Ints
-    unknown_address: Ints
     known: References
-    known_count: Ints
-    known_address: Ints
     seed: Floats
-    seed_address: Ints
-    seed_group: Ints
     result: Floats
-    result_address: Ints
     first_slot: Ints
     slot: Ints
     entry: Ints
@@ -51,13 +49,15 @@ Fill = tuple[int, int, float]
 
 @dataclass
 class Call:
-    """One directional derivative: outputs of a source along a seed of its inputs."""
+    """One directional derivative: outputs of a source along a seed of its inputs.
+
+    seed: empty where it is the slopes of leads of `knowns`.
+    """
 
     source: int
     unknowns: list[str]
     knowns: list[Link]
     seed: list[float]
-    seed_group: int = -1
     first_result: int = 0
 
 
@@ -72,30 +72,23 @@ class Target:
     rate_entry: dict[Link, int] = field(default_factory=dict)
 
 
-def gather(plan: Plan, coupling: Coupling) -> tuple[list[Target], list[list[Link]]]:
-    """By slave what its tangents need, and the groups of links whose speeds are seeds."""
-    seeds: list[list[Link]] = []
+def gather(plan: Plan, coupling: Coupling) -> list[Target]:
+    """By slave what its tangents need."""
     results = 0
     targets = [Target(ascending(plan.links_of(i))) for i in range(len(plan.names))]
     for target, description in zip(targets, plan.descriptions, strict=True):
         followed = [k for k in target.links if coupling.ways[k] is Way.TANGENT]
         for source in dict.fromkeys(k.source for k in followed):
             links = [k for k in followed if k.source == source]
-            _gather_source(plan, coupling, target, links, seeds)
+            _gather_source(plan, coupling, target, links)
         for call in target.calls:
             call.first_result, results = results, results + len(call.unknowns)
         target.partials.sort(key=lambda name: description.variables[name].reference)
         _assign_results(coupling, target)
-    return targets, seeds
+    return targets
 
 
-def _gather_source(
-    plan: Plan,
-    coupling: Coupling,
-    target: Target,
-    links: list[Link],
-    seeds: list[list[Link]],
-) -> None:
+def _gather_source(plan: Plan, coupling: Coupling, target: Target, links: list[Link]) -> None:
     """Calls of one source for the tangents of the links that it drives."""
     wanted = {link: {t.output: t for t in coupling.tangents[link]} for link in links}
     for own in dict.fromkeys(output for tangents in wanted.values() for output in tangents):
@@ -110,9 +103,7 @@ def _gather_source(
             rest.setdefault(tuple(moving), []).append(link)
     for others, asking in rest.items():
         unknowns = list(dict.fromkeys(link.output.name for link in asking))
-        call = Call(links[0].source, unknowns, list(others), [0.0] * len(others), len(seeds))
-        seeds.append(list(others))
-        target.calls.append(call)
+        target.calls.append(Call(links[0].source, unknowns, list(others), seed=[]))
 
 
 def _assign_results(coupling: Coupling, target: Target) -> None:
@@ -124,7 +115,7 @@ def _assign_results(coupling: Coupling, target: Target) -> None:
                 continue
             if link.output.name not in entry:
                 continue
-            if call.seed_group >= 0:
+            if not call.seed:
                 target.rate_entry.setdefault(link, entry[link.output.name])
                 continue
             for tangent in coupling.tangents[link]:
@@ -133,8 +124,8 @@ def _assign_results(coupling: Coupling, target: Target) -> None:
                     target.fills.append((place, entry[link.output.name], link.gain))
 
 
-def tangent_table(plan: Plan, targets: Sequence[Target], inputs: Packets) -> Tangents:
-    """The table; `inputs` are what each slave is sent."""
+def tangent_table(plan: Plan, targets: Sequence[Target], inputs: Packets, slopes: Ints) -> Tangents:
+    """The table; inputs: what each slave is sent; slopes: addresses of seeds that are slopes."""
     calls = [call for target in targets for call in target.calls]
     unknown_count = [len(call.unknowns) for call in calls]
     known_count = [len(call.knowns) for call in calls]
@@ -146,6 +137,8 @@ def tangent_table(plan: Plan, targets: Sequence[Target], inputs: Packets) -> Tan
     seed = np.array([value for call in calls for value in call.seed], float)
     result = np.zeros(sum(unknown_count))
     result_address = addresses(result, [call.first_result for call in calls])
+    seed_address = addresses(seed, starts([len(call.seed) for call in calls])[:-1])
+    seed_address[[not call.seed for call in calls]] = slopes
     first = starts([len(target.calls) for target in targets])
     fills: list[list[Fill]] = []
     for i, target in enumerate(targets):
@@ -158,22 +151,20 @@ def tangent_table(plan: Plan, targets: Sequence[Target], inputs: Packets) -> Tan
             if own == [(slot + n, entry, 1.0) for n, entry in enumerate(entries)]:
                 result_address[number] = addresses(inputs.value, [slot])[0]
                 fills[i] = [fill for fill in fills[i] if fill not in own]
-    known_first = starts(known_count)[:-1]
+    numbers = [
+        ints(call.source for call in calls),
+        *(addresses(unknown, starts(unknown_count)[:-1]), unknown_count),
+        *(addresses(known, starts(known_count)[:-1]), known_count),
+        *(seed_address, result_address),
+    ]
     flat = [fill for own in fills for fill in own]
     return Tangents(
         first=first,
-        source=ints(call.source for call in calls),
+        call=np.ascontiguousarray(np.array(numbers, np.int64).T),
         unknown=unknown,
-        unknown_count=ints(unknown_count),
-        unknown_address=addresses(unknown, starts(unknown_count)[:-1]),
         known=known,
-        known_count=ints(known_count),
-        known_address=addresses(known, known_first),
         seed=seed,
-        seed_address=addresses(seed, known_first),
-        seed_group=ints(call.seed_group for call in calls),
         result=result,
-        result_address=result_address,
         first_slot=starts([len(own) for own in fills]),
         slot=ints(slot for slot, _, _ in flat),
         entry=ints(entry for _, entry, _ in flat),
