@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -23,6 +24,8 @@ def whole_file(path: Path | str) -> Iterator[Path]:
         new = there
     try:
         there.parent.mkdir(parents=True, exist_ok=True)
+        if there.is_file() and not os.access(there, os.W_OK):  # a rename would not ask
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
         yield new
         if new != there:
             new.replace(there)

@@ -43,6 +43,11 @@ def clear_earlier(folder: Path) -> list[str]:
     return [f"{', '.join(found)} in {folder} were of the run before, and are removed"]
 
 
+def folder_of(run: Path) -> Path:
+    """The folder of a run, which is named by it or by its results file."""
+    return run.parent if run.is_file() else run
+
+
 def opened(folder: Path) -> xr.Dataset:
     """The dataset in a run's folder, or in a results file, read as it is used.
 

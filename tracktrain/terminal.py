@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
@@ -34,16 +35,36 @@ def unseen(share: float) -> None:
 
 
 def writable(folder: Path) -> Path:
-    """The folder, made if need be; TracktrainError where nothing can be written."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return folder
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+    """The folder, which may be yet to be made; TracktrainError where nothing can be written."""
+    if reason := _hindered(folder):
         raise TracktrainError(
             f"'{folder}' cannot be written to ({reason}); name another folder with --out"
-        ) from None
+        )
+    return folder
+
+
+def writable_file(path: Path) -> Path:
+    """The file, which may be yet to be made; TracktrainError where it cannot be written."""
+    there = path.resolve()  # where a link leads
+    if there.is_dir():
+        reason: str | None = "is a directory"
+    elif there.exists() and not os.access(there, os.W_OK):
+        reason = "permission denied"
+    else:
+        reason = _hindered(there.parent)
+    if reason:
+        raise TracktrainError(f"'{path}' cannot be written ({reason}); choose another place")
+    return path
+
+
+def _hindered(folder: Path) -> str | None:
+    """Why nothing can be written in a folder, or in the one where it would be made."""
+    try:
+        there = next(place for place in (folder, *folder.parents) if place.exists())
+        with tempfile.TemporaryFile(dir=there):
+            return None
+    except OSError as error:
+        return (error.strerror or str(error)).lower()
 
 
 def printable(table: pd.DataFrame, title: str) -> Table:

@@ -46,11 +46,12 @@ _GUARD = threading.Lock()
 def owned(folder: Path | str, *, for_runs: bool = False) -> Iterator[None]:
     """Own a folder, which is made if need be, until the end of the block or of the program.
 
+    One that was made and has nothing in it goes then.
     for_runs: runs within the block, one after the other, write into it. Raises ResultsError where
     another has it, or it cannot be written to.
     """
     path = Path(folder)
-    _make(path)
+    made = _make(path)
     key, thread = path.resolve(), threading.get_ident()
     with _GUARD:
         hold = _HELD.get(key)
@@ -70,11 +71,17 @@ def owned(folder: Path | str, *, for_runs: bool = False) -> Iterator[None]:
             else:
                 del _HELD[key]
                 _release(path, hold.stream)
+                if made:
+                    with suppress(OSError):  # there is something in it
+                        path.rmdir()
 
 
-def _make(path: Path) -> None:
+def _make(path: Path) -> bool:
+    """Make a folder; whether it was not there."""
     try:
+        missing = not path.exists()
         path.mkdir(parents=True, exist_ok=True)
+        return missing
     except OSError as error:
         raise _unwritable(path, error) from None
 

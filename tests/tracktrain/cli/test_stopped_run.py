@@ -76,12 +76,68 @@ def test_folder_that_cannot_be_written_is_refused_before_the_run(tmp_path: Path)
     ) in result.stderr
 
 
-def test_build_refuses_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("in the way")
-    folder = tmp_path / "file" / "fmus"
-    result = CliRunner().invoke(main, ["build", "--out", str(folder)])
-    assert result.exit_code == 2
-    assert f"'{folder}' cannot be written to (not a directory)" in result.stderr
+@pytest.mark.parametrize(
+    "command",
+    [
+        "build --out",
+        "new truck mine --out",
+        "fmu pack mine --out",
+        "sweep --over speed=1m/s --out",
+        "study track --out",
+        "calibrate no.csv --out",
+        "compare no no --out",
+        "correlate no no.csv --out",
+        "assess no --out",
+        "report no --out",
+        "track inspect no.csv --out",
+        "track fit no.csv --out",
+        "track build no.csv -o a.fmu",
+        "track make a.csv --spectrum no.csv",
+        "profile make a.csv no.csv",
+        "profile build no.csv no.csv -o a.fmu",
+        "profile show no.csv no.csv --picture a.png",
+        "carbody no.csv -o a.fmu",
+        "carbody no.csv --write a.toml",
+        "structure no.toml -o a.toml",
+        "convert no a.csv",
+        "plot no -o a.png",
+        "export a.ssp --carbody no.csv",
+        "system no.ssp --picture a.png",
+    ],
+)
+def test_place_that_cannot_be_written_is_refused_before_anything_is_read(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("file").touch()
+    file = next((word for word in command.split() if word.startswith("a.")), None)
+    place = Path("file", file or "")
+    arguments = [str(place) if word == file else word for word in command.split()]
+    told = CliRunner().invoke(main, arguments if file else [*arguments, str(place)])
+    assert told.exit_code == 2
+    assert f"'{place}' cannot be written" in told.stderr
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "run no.ssp",
+        "run --carbody no.csv",
+        "calibrate no.csv",
+        "compare no neither",
+        "correlate no no.csv",
+        "assess no",
+        "track inspect no.csv",
+        "track fit no.csv",
+    ],
+)
+def test_what_has_nothing_to_read_makes_no_folder(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    told = CliRunner().invoke(main, [*command.split(), "--out", "in/out"])
+    assert told.exit_code == 2 and "no" in told.stderr
+    assert [path.name for path in tmp_path.rglob("*")] in ([], ["in"])
 
 
 def test_results_that_do_not_fit_onto_the_disk_are_refused(tmp_path: Path) -> None:

@@ -165,6 +165,16 @@ def test_full_disk_leaves_the_older_file_and_no_part_of_a_new_one(
     assert {path: path.read_bytes() for path in place.rglob("*") if path.is_file()} == before
 
 
+def test_run_is_judged_and_shown_in_another_folder(given: Path, tmp_path: Path) -> None:
+    run, out = given / "other" / "results.nc", tmp_path / "out"
+    before = sorted(run.parent.iterdir())
+    for command in (["assess", str(run), "--sections"], ["report", str(run)]):
+        assert CliRunner().invoke(main, [*command, "--out", str(out)]).exit_code == 0
+    found = {path.name for path in out.iterdir()}
+    assert found == {"assessment.csv", "sections.csv", "report.html"}
+    assert sorted(run.parent.iterdir()) == before
+
+
 def test_log_is_written_where_it_is_asked_for(tmp_path: Path) -> None:
     path = tmp_path / "run.log"
     options = ("--log", str(path), "--log-level", "all", "--out", str(tmp_path))

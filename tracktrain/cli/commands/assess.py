@@ -12,7 +12,8 @@ from rich.table import Table
 
 from orchestrator import whole_file
 
-from ...results import ASSESSMENT, SECTIONS
+from ...options.out import out_option
+from ...results import ASSESSMENT, SECTIONS, folder_of
 from ..as_json import json_option, print_json
 
 if TYPE_CHECKING:
@@ -37,9 +38,10 @@ Examples:
     is_flag=True,
     help="Also by sections of straight track and of curves, as EN 14363 has it: sections.csv.",
 )
+@out_option("Folder for the tables.  [default: DIR]")
 @json_option
 @click.option("--quiet", is_flag=True, help="Print errors only.")
-def command(folder: Path, sections: bool, as_json: bool, quiet: bool) -> None:
+def command(folder: Path, sections: bool, out: Path | None, as_json: bool, quiet: bool) -> None:
     """Assess the run in DIR: wheel forces, stability and ride against the limits of the field.
 
     Every quantity comes with its filter, window, limit and source; assessment.csv has them all.
@@ -50,19 +52,20 @@ def command(folder: Path, sections: bool, as_json: bool, quiet: bool) -> None:
     from ...assessment.sections import by_sections
     from ...events import events, nadal_rule
     from ...results import responses_of
-    from ...terminal import print_whole, printable, told
+    from ...terminal import print_whole, printable, told, writable
     from ..events import print_events, write_events
 
+    place = writable(out or folder_of(folder))
     with told("assessing"):
         run = responses_of(folder)
         table, found = assessed(run), events(run)
         cut = by_sections(run) if sections else None
         beyond = outside(run, found)
-    with whole_file(folder / ASSESSMENT) as new:
+    with whole_file(place / ASSESSMENT) as new:
         table.to_csv(new)
-    write_events(found, folder)
+    write_events(found, place)
     if cut is not None:
-        with whole_file(folder / SECTIONS) as new:
+        with whole_file(place / SECTIONS) as new:
             cut.to_csv(new, index=False)
     if as_json:
         more = {} if cut is None else {"sections": cut}
@@ -83,7 +86,7 @@ def command(folder: Path, sections: bool, as_json: bool, quiet: bool) -> None:
                     "run has more of them"
                 )
             console.print(
-                f"estimate: mean and factor deviations over sections *; both: {folder / SECTIONS}",
+                f"estimate: mean and factor deviations over sections *; both: {place / SECTIONS}",
                 markup=False,
                 highlight=False,
             )
@@ -91,7 +94,7 @@ def command(folder: Path, sections: bool, as_json: bool, quiet: bool) -> None:
         console.print("for comparison: the rule is for other vehicles, track or speeds (its scope)")
         console.print("≥ the least value that is allowed; other limits are the largest")
         console.print("* not verified: recalled from the source, check it before quoting it")
-        written = f"filters, windows, scopes and sources: {folder / ASSESSMENT}"
+        written = f"filters, windows, scopes and sources: {place / ASSESSMENT}"
         console.print(written, markup=False, highlight=False)
 
 

@@ -15,7 +15,7 @@ from ...options.car import car_option
 from ...options.fmu import fmi_option, target_option
 from ...options.out import file_option
 from ...options.types import Quantity
-from ...terminal import writable
+from ...terminal import writable_file
 
 if TYPE_CHECKING:
     from fmus.carbody.modal_data import ModalData
@@ -95,6 +95,9 @@ def command(
     from fmus.export.carbody import build_carbody
     from fmus.export.python import build_python_carbody
 
+    path = writable_file(out or Path(f"{modes.stem}.fmu"))
+    if write is not None:
+        writable_file(write)
     data = read_modal_data(modes, parameter_set(vehicle(car).parameters))
     if count is not None:
         if count > len(data.modes):
@@ -108,8 +111,6 @@ def command(
         with whole_file(write) as new:
             write_modal_data(data, new)
     data = with_residual_modes(data, residual)
-    path = out or Path(f"{modes.stem}.fmu")
-    writable(path.parent)
     if fmi == "python":
         build_python_carbody(data, path, targets)
     else:

@@ -58,8 +58,9 @@ def command(
     """
     from ...comparison import compare, write_comparison
 
+    folder = writable(out)
     found = compare(runs, signals, begin, end)
-    written = write_comparison(found, writable(out), ctx.meta.get("command", ""))
+    written = write_comparison(found, folder, ctx.meta.get("command", ""))
     if as_json:
         print_json(differences=found.differences, numbers=found.numbers, notes=found.notes)
     if quiet or as_json:

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from ...options.span import span_options
+from ...terminal import writable_file
 
 
 @click.command(
@@ -35,5 +36,5 @@ def command(
     """
     from ...convert import convert
 
-    path = convert(run, file, signals, begin, end)
+    path = convert(run, writable_file(file), signals, begin, end)
     click.echo(f"{path}  {path.stat().st_size / 1e6:.1f} MB")

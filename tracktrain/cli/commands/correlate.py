@@ -62,10 +62,11 @@ def command(
     *runs, file = places
     if not runs:
         raise TracktrainError("name one run or more, and then the file with the measurements")
+    folder = writable(out)
     band, span = (corners["low"], corners["high"]), (corners["begin"], corners["end"])
     found = correlate(runs, file, channels, band, span, clock)
     title = f"{', '.join(found.given.channels[0].runs)} against {file.name}"
-    written = write_correlation(found, writable(out), title, ctx.meta.get("command", ""))
+    written = write_correlation(found, folder, title, ctx.meta.get("command", ""))
     tables, console = Console(), plain_console()
     print_whole(tables, printable(found.verdicts, "verdict"))
     print_whole(tables, printable(found.numbers, "numbers, with 95 % bounds of the measured"))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import errno
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +14,7 @@ from ...errors import TracktrainError
 from ...options.chosen import Shape, chosen_car, refuse_idle_options, system_options
 from ...options.fmu import fmi_option, target_option
 from ...options.types import Name
+from ...terminal import writable_file
 
 if TYPE_CHECKING:
     from orchestrator import System
@@ -75,6 +74,7 @@ def command(
         if ctx.get_parameter_source(name) is not ParameterSource.DEFAULT:
             option = next(p.opts[0] for p in ctx.command.params if p.name == name)
             raise TracktrainError(f"{option} has no meaning for a file that ends in {kind}")
+    writable_file(file)
     shape = Shape.taken(options)
     refuse_idle_options(ctx, shape)
     system = chosen_car(shape)
@@ -92,9 +92,6 @@ def command(
 def _one_fmu(system: System, file: Path, fmi: str, targets: tuple[str, ...]) -> Path:
     from ...one_fmu import build_one_fmu
 
-    file.parent.mkdir(parents=True, exist_ok=True)
-    if not os.access(file.parent, os.W_OK):
-        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(file.parent))
     click.echo("compiling the car, about half a minute", err=True)
     path, _ = build_one_fmu(system, file, fmi=fmi, platforms=targets)
     return path

@@ -17,6 +17,7 @@ from ...car.hopper import HOPPER
 from ...errors import TracktrainError
 from ...options.out import out_option
 from ...options.types import Name
+from ...terminal import writable
 
 PLACEHOLDER = "my_model"
 
@@ -35,7 +36,7 @@ def command(block: str, name: str, out: Path) -> None:
 
     It runs as it is. Its README tells how it becomes an FMU and how the car runs with it.
     """
-    project = write_project(block, name, out)
+    project = write_project(block, name, writable(out))
     for path in sorted(project.iterdir()):
         click.echo(path)
     click.echo(

@@ -11,6 +11,7 @@ from orchestrator import whole_file
 from ...errors import TracktrainError
 from ...options.out import file_option
 from ...options.span import span_options
+from ...terminal import writable_file
 
 KINDS = (".png", ".svg", ".pdf")
 
@@ -61,6 +62,7 @@ def command(
         raise TracktrainError(f"'{out}' is no picture; it may end in {', '.join(KINDS)}")
     from ...plotting import plot
 
+    writable_file(out)
     figure = plot(runs, of, over=over, spectrum=spectrum, together=together, begin=begin, end=end)
     with whole_file(out) as new:
         figure.savefig(new)

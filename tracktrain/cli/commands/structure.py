@@ -13,7 +13,7 @@ from ...errors import TracktrainError
 from ...options.fields import adding
 from ...options.out import file_option
 from ...options.types import Quantity
-from ...terminal import plain_console, print_whole, printable, writable
+from ...terminal import plain_console, print_whole, printable, writable_file
 
 if TYPE_CHECKING:
     from fmus.carbody.modal_data import ModalData
@@ -120,7 +120,6 @@ def _write_hopper(path: Path) -> None:
 
     if path.exists():
         raise TracktrainError(f"'{path}' is there already; give another name")
-    writable(path.parent)
     shipped = files("structures.hopper").joinpath("hopper.toml")
     with whole_file(path) as new:
         new.write_text(shipped.read_text(encoding="utf-8"), encoding="utf-8")
@@ -138,9 +137,9 @@ def _solve(model: Path, out: Path, options: dict[str, Any]) -> None:
         raise TracktrainError("give --modes or --below, not both")
     if out.suffix.lower() != ".toml":
         raise TracktrainError(f"modal data are written as TOML; '{out}' has another ending")
+    writable_file(out)
     names = ("units", "punch", "mass", "nodes", "lading", "refinement")
     asked = Asked(**{name: options[name] for name in names}, places=_places(options))
-    writable(out.parent)
     found = read_structure(model, asked)
     modes = found.modes
     if modes is None:

@@ -21,7 +21,7 @@ from ...options.chosen import (
     refuse_options,
     system_options,
 )
-from ...terminal import plain_console, print_whole
+from ...terminal import plain_console, print_whole, writable_file
 
 KINDS = (".svg", ".png", ".pdf")
 
@@ -55,6 +55,8 @@ def command(
     """Show what a system is made of, and what drives what: the hopper car, or FILE's system."""
     if picture is not None and picture.suffix.lower() not in KINDS:
         raise TracktrainError(f"'{picture}' is no picture; it may end in {', '.join(KINDS)}")
+    if picture is not None:
+        writable_file(picture)
     shape = Shape.taken(options)
     if file is None:
         refuse_options(ctx, ["ssd"], "there is no file to choose a system of")

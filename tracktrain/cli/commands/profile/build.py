@@ -10,7 +10,7 @@ import click
 from ....options.fmu import fmi_option, target_option
 from ....options.out import file_option
 from ....options.profiles import YAW, on_the_right, pairing_options
-from ....terminal import writable
+from ....terminal import writable_file
 
 
 @click.command(
@@ -54,10 +54,9 @@ def command(
 
     from ....profiles.pairing import Pairing, contact_table
 
+    path = writable_file(out or Path(f"{Path(wheel).stem}_{Path(rail).stem}.fmu"))
     says, right = pairing.pop("says"), on_the_right(pairing)
     table = contact_table(wheel, rail, Pairing(**pairing), says, yaw or 0.0, **right)
-    path = out or Path(f"{Path(wheel).stem}_{Path(rail).stem}.fmu")
-    writable(path.parent)
     build_wheelrail(table, path, fmi, targets)
     click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
     for line in table.said:

@@ -9,6 +9,7 @@ import click
 from orchestrator import whole_file
 
 from ....errors import TracktrainError
+from ....terminal import writable_file
 
 
 @click.command(
@@ -33,6 +34,7 @@ def command(out: Path, source: str, says: tuple[str, ...]) -> None:
 
     if out.suffix.lower() != ".csv":
         raise TracktrainError(f"'{out}' is no CSV file by its name; call it '{out.stem}.csv'")
+    writable_file(out)
     profile = profile_of(source, says)
     with whole_file(out) as new:
         new.write_text(as_text(profile), encoding="utf-8")

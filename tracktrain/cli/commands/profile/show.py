@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from ....options.profiles import YAW, on_the_right, pairing_options
-from ....terminal import writable
+from ....terminal import writable_file
 from ...as_json import json_option, print_json
 
 
@@ -46,12 +46,13 @@ def command(
     from ....profiles.pairing import Pairing
     from ....profiles.pictures import save
 
+    if picture is not None:
+        writable_file(picture)
     yaw, right = given.pop("yaw") or 0.0, on_the_right(given)
     wheelset, track = Pairing(**given).placed(wheel, rail, says, **right)
     found = Examined(wheelset, track, yaw)
     lines = found.lines()  # all that can fail, before a word of it is told
     if picture is not None:
-        writable(picture.parent)
         save(found, picture)
     if as_json:
         print_json(**found.data())

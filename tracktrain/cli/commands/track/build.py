@@ -9,7 +9,7 @@ import click
 from ....options.car import layout_option, say_option
 from ....options.fmu import fmi_option, target_option
 from ....options.out import file_option
-from ....terminal import writable
+from ....terminal import writable_file
 
 
 @click.command(
@@ -37,9 +37,8 @@ def command(
 
     from ....car.track import on_layout, track_data
 
+    path = writable_file(out or Path(f"{file.stem}.fmu"))
     data = track_data(file, says) if layout is None else on_layout(layout, str(file), says=says)
-    path = out or Path(f"{file.stem}.fmu")
-    writable(path.parent)
     build_track(data, path, fmi, targets)
     click.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
     for line in data.said:

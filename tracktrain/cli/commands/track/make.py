@@ -12,6 +12,7 @@ from orchestrator import whole_file
 from ....errors import TracktrainError
 from ....options.car import layout_option, say_option, seed_option
 from ....options.types import Quantity
+from ....terminal import writable_file
 
 LENGTH = ("m", "ft", "km", "mi")
 DEFAULT_LENGTH, DEFAULT_SPACING = 500.0, 0.1
@@ -105,6 +106,7 @@ def command(
         raise TracktrainError(f"--length and --spacing are those of '{source}'; leave them out")
     if out.suffix.lower() != ".csv":
         raise TracktrainError(f"'{out}' is no CSV file by its name; call it '{out.stem}.csv'")
+    writable_file(out)
     if source is None:
         length, spacing = grid["length"], grid["spacing"]
         usual = length_of(elements) or DEFAULT_LENGTH
