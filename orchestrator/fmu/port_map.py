@@ -104,10 +104,12 @@ class PortMap:
     def fitted(self, own: Description, other: Description, needed: Collection[str]) -> PortMap:
         """The map with values in the units of `own`, whose place `other` takes.
 
-        Outputs among the `needed` that `own` declares to be rates, and that `other` has not, are
-        differentiated. Raises CouplingError.
+        Variables of `other` that say no unit are taken to be in that of `own`. Outputs among the
+        `needed` that `own` declares to be rates, and that `other` has not, are differentiated.
+        Raises CouplingError.
         """
         ports = {name: _in_unit(name, p, own, other) for name, p in self._each(other, own)}
+        ports |= self.unitless(own, other)
         have = replace(self, ports=ports).applied(other).variables
         rates = dict(self.rates)
         for variable in own.outputs:
@@ -116,6 +118,20 @@ class PortMap:
             if wanted and source is not None and source in have:
                 rates[variable.name] = source
         return PortMap(ports, rates)
+
+    def unitless(self, own: Description, other: Description) -> dict[str, Port]:
+        """By name, the numbers of `other` that say no unit where `own` has one, in that unit.
+
+        Without those that the map names, which may say it.
+        """
+        mapped = {end for name, port in self._each(other, own) for end in (name, port.name)}
+        return {
+            name: Port(name, unit=variable.unit)
+            for name, variable in own.variables.items()
+            if variable.unit not in (None, "", "1") and name not in mapped
+            for found in (other.variables.get(name),)
+            if found is not None and found.unit is None and found.kind == "real"
+        }
 
     def _each(
         self, other: Description, own: Description | None = None

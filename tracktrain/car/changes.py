@@ -39,6 +39,7 @@ def swapped(
     file that cannot be coupled.
     """
     own = describe(_fmu(system, instance))
+    bare = (ports or PortMap()).unitless(own, describe(path))
     ports, found = seen(system, instance, path, ports)
     missing = sorted(name for name in connected_ports(system, instance) if found.find(name) is None)
     if missing:
@@ -68,6 +69,10 @@ def swapped(
         for what, names in (("parameters", lacking), ("optional ports", absent))
         if names
     ]
+    if bare:
+        notes.append(
+            f"{label} says no units of {len(bare)} variables: taken to be in the block's, SI"
+        )
     if ports is not None and ports.rates:
         notes.append(f"{label}: {differentiated(ports)}")
     optional = _optional(system)

@@ -35,8 +35,6 @@ from orchestrator import (
 from .changes import connected_ports, differentiated, swapped
 from .hopper import HOPPER, hopper_car
 
-NO_UNIT = (None, "", "1")
-
 
 @dataclass(frozen=True)
 class Converted:
@@ -125,14 +123,19 @@ def compare(path: Path, block: str, ports: PortMap | None = None) -> StandIn:
     required = set[str]().union(*(connected_ports(car, name) for name in instances))
     result = StandIn(path.name, block, bool(whole.binary), contents.platforms)
     elements = taken_apart(whole, {})
-    ports = (ports or PortMap()).fitted(own, elements, required)
+    given = ports or PortMap()
+    bare = given.unitless(own, elements)
+    ports = given.fitted(own, elements, required)
     found = ports.applied(elements)
-    result.mapped = {name: port.name for name, port in ports.ports.items()}
+    result.mapped = {n: port.name for n, port in ports.ports.items() if n not in bare}
     if ports.rates:
         result.remarks.append(differentiated(ports))
     for port in [*own.inputs, *own.outputs]:
         if port.name in required:
             _compare_port(result, port, own, found)
+            if port.name in bare and port.name in result.fitting:
+                result.fitting.remove(port.name)
+                result.unitless.append(port.label)
         elif port.name not in own.partials:
             there = _has(found, port)
             (result.optional if there else result.absent).append(port.name)
@@ -189,8 +192,6 @@ def _compare_ends(
     match = fit(source, giving, target, taking)
     if match.problem is Problem.KIND:
         result.unusable.append(_other_type(port, variable))
-    elif variable.unit is None and port.unit not in NO_UNIT:
-        result.unitless.append(port.label)
     elif match.problem is Problem.UNKNOWN_UNIT:
         result.unusable.append(
             f"{port.name}: {match.detail}; define it in the FMU's UnitDefinitions"

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
+import pytest
 import xarray as xr
 from click.testing import CliRunner
 
 import tolerances
 from fmus.catalogue import fmu_path
 from support.variants import variant
+from tracktrain.car.hopper import HOPPER
 from tracktrain.cli.main import main
 
 POSITIONS = ("y", "z", "roll", "yaw")
@@ -35,6 +38,25 @@ def test_a_copy_of_a_block_in_its_place_changes_nothing(tmp_path: Path) -> None:
         xr.open_dataset(tmp_path / "original/results/results.nc") as original,
     ):
         assert swapped.equals(original)
+
+
+@pytest.mark.parametrize(
+    "instance", ["carbody", "truck_front", "wheelset_11", "track"], ids=lambda name: name
+)
+def test_an_fmu_that_says_no_units_is_taken_to_be_in_those_of_the_block(
+    tmp_path: Path, instance: str
+) -> None:
+    block = HOPPER.blocks[instance]
+    bare = variant(tmp_path, block, lambda xml: re.sub(r' unit="[^"]*"', "", xml))
+    assert run("--swap", f"{instance}={bare}", out=tmp_path / "bare") == (0, "")
+    assert run(out=tmp_path / "own") == (0, "")
+    with (
+        xr.open_dataset(tmp_path / "bare/results/results.nc") as swapped,
+        xr.open_dataset(tmp_path / "own/results/results.nc") as own,
+    ):
+        assert all((swapped[name].values == own[name].values).all() for name in own)
+        assert all(swapped[name].units == own[name].units for name in own)
+        assert f"{bare} as {instance} says no units of " in swapped.notes
 
 
 def test_missing_file_is_named(tmp_path: Path) -> None:
