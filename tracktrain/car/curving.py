@@ -11,8 +11,7 @@ import numpy as np
 from orchestrator import Responses
 
 from ..events import LIMITS, in_si
-from ..geometry.layout import CHORD
-from ..geometry.sections import Section, curves, sections
+from ..geometry.sections import CHORD, Section, curves, sections
 from ..rows import chunks
 from ..scales import FOOT, INCH, MILE_PER_HOUR
 from .hopper import layout_of

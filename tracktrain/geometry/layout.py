@@ -16,7 +16,7 @@ from fmus.track.recorded_data import TrackData
 from orchestrator import DimensionError, Quantity, UnitError, choices
 
 from .errors import GeometryError
-from .sections import CURVE, KINDS, TRANSITION
+from .sections import CHORD, CURVE, KINDS, TRANSITION
 from .table import HEAD, delimiter_of, read_text
 
 DIRECTIONS = {"left": 1.0, "right": -1.0}
@@ -24,8 +24,6 @@ FIELDS = ("kind", "length", "radius", "degree", "direction", "cant")
 OF_A_CURVE = ("radius", "degree", "direction", "cant")
 TABLE = "element"
 
-CHORD = 30.48
-"""Of the degree of a curve [m]: 100 ft."""
 LEAST_RADIUS = 50.0
 """[m]; beyond what the frame of small motion bears, and below what any car is made for."""
 MOST_CANT = 0.25

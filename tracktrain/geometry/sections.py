@@ -9,6 +9,8 @@ from itertools import pairwise
 import numpy as np
 
 STRAIGHT, TRANSITION, CURVE = KINDS = ("straight", "transition", "curve")
+CHORD = 30.48
+"""Of the degree of a curve [m]: 100 ft."""
 SPACING = 0.5
 """Of the places that are looked at [m]."""
 REACH = 5.0
