@@ -24,7 +24,7 @@ _CHAR, _INT, _DOUBLE = 2, 4, 6
 _SEAL = b"SEAL"
 """Before a CRC-32 of the header without its number of rows, in the last bytes before the rows."""
 
-_ALLOWED = re.compile(r"[A-Za-z0-9_\u0080-\U0010ffff][^\x00-\x1f\x7f/]{0,200}(?<!\s)")
+_ALLOWED = re.compile(r"(?:[A-Za-z0-9_]|[^\x00-\x7f])[^\x00-\x1f\x7f/]{0,200}(?<!\s)")
 
 Attributes = Mapping[str, Any]
 

@@ -10,12 +10,22 @@ import click
 
 
 class Listed(click.Command):
-    """What lists show of a command: the object `command` of a module that is not loaded yet."""
+    """What lists show of a command: the object `command` of a module that is not loaded yet.
 
-    def __init__(self, module: str, help: str | None = None, short_help: str | None = None) -> None:
-        name = module.rpartition(".")[2].replace("_", "-")
-        super().__init__(name, help=help, short_help=short_help)
-        self.module = module
+    shown: what is said of it, or the file in which its function `command` says so.
+    """
+
+    def __init__(self, module: str, shown: str | Path) -> None:
+        super().__init__(module.rpartition(".")[2].replace("_", "-"))
+        self.module, self._shown = module, shown
+
+    def get_short_help_str(self, limit: int = 45) -> str:
+        """A line for a list; a file is read, not imported, and no sooner than here."""
+        if isinstance(self._shown, Path):
+            self.help = _help(self._shown)
+        else:
+            self.short_help = self._shown
+        return super().get_short_help_str(limit)
 
 
 class LazyGroup(click.Group):
@@ -34,14 +44,11 @@ class LazyGroup(click.Group):
 
 
 def in_files(init: str, package: str) -> list[click.Command]:
-    """The commands in the files and folders beside the file `init` of a package.
-
-    What a file's function `command` says of itself is read, not imported.
-    """
+    """The commands in the files and folders beside the file `init` of a package."""
     folder = Path(init).parent
     files = [*folder.glob("[!_]*.py"), *folder.glob("*/__init__.py")]
     names = {file.stem if file.parent == folder else file.parent.name: file for file in files}
-    return [Listed(f"{package}.{name}", _help(file)) for name, file in sorted(names.items())]
+    return [Listed(f"{package}.{name}", file) for name, file in sorted(names.items())]
 
 
 def _help(file: Path) -> str | None:

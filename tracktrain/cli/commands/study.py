@@ -24,7 +24,7 @@ class Studies(LazyGroup):
 @click.group(
     cls=Studies,
     commands=[
-        Listed(f"tracktrain.studies.{name.replace('-', '_')}", short_help=said)
+        Listed(f"tracktrain.studies.{name.replace('-', '_')}", said)
         for name, said in STUDIES.items()
     ],
 )
