@@ -17,7 +17,7 @@ from tracktrain.car.hopper import DURATION, hopper_car
 from tracktrain.car.linear import LinearCar
 from tracktrain.car.modes import critical_speeds
 from tracktrain.car.spreads import uncertain
-from tracktrain.car.track import on_layout, with_track
+from tracktrain.options.chosen import Shape, chosen_car
 from tracktrain.plots import BLUE, INK, RED, STYLE, plot_displacement
 from tracktrain.scales import FOOT, MILE_PER_HOUR
 from tracktrain.studies.hunting_causes import hunting_causes
@@ -97,9 +97,8 @@ def curve() -> Figure:
     with tempfile.TemporaryDirectory() as folder:
         layout = Path(folder) / "curve.csv"
         layout.write_text(CURVE)
-        speed = 35 * MILE_PER_HOUR
-        car, _ = with_track(hopper_car("loaded", speed), on_layout(layout, "perfect"))
-        data = simulate(car, duration=31.0).dataset
+        shape = Shape(speed=35 * MILE_PER_HOUR, track="perfect", layout=layout, duration=31.0)
+        data = simulate(chosen_car(shape), duration=31.0).dataset
     way = data["track.distance"].values
     figure = Figure(figsize=(8, 7), layout="constrained")
     line, rails, push, wear = figure.subplots(4, sharex=True)

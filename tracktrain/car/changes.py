@@ -205,17 +205,24 @@ def displaced(system: System, instance: str, coordinate: str, value: str) -> Sys
 
 
 def with_settings(system: System, settings: Sequence[tuple[str, str, str]]) -> System:
-    """The car with parameters at values as typed; each an instance, a name and a value.
+    """The car with parameters at values as typed, see `meant`; raises as it and as `assigned`."""
+    for (instance, name), value in meant(system, settings).items():
+        system = assigned(system, instance, name, value)
+    return system
+
+
+def meant(system: System, settings: Sequence[tuple[str, str, str]]) -> dict[tuple[str, str], str]:
+    """Values by instance and name; settings: each an instance, a name and a value, as typed.
 
     `*` and `?` in an instance mean all that fit and have such a parameter; an instance by its full
     name stands above them. Raises HopperError for a pattern that means none, or what another one
-    means with another value; and as `assigned`.
+    means with another value.
     """
     given: dict[tuple[str, str], tuple[str, str]] = {}
-    exact = []
+    exact = {}
     for instance, name, value in settings:
         if instance in system.components or not is_pattern(instance):
-            exact.append((instance, name, value))
+            exact[instance, name] = value
             continue
         for one in _fitting(system, instance, name):
             pattern, other = given.setdefault((one, name), (instance, value))
@@ -224,10 +231,7 @@ def with_settings(system: System, settings: Sequence[tuple[str, str, str]]) -> S
                     f"{one}.{name} is '{other}' by '{pattern}' and '{value}' by '{instance}'; "
                     "leave out one, or give it by its full name"
                 )
-    several = [(one, name, value) for (one, name), (_, value) in given.items()]
-    for instance, name, value in [*several, *exact]:
-        system = assigned(system, instance, name, value)
-    return system
+    return {target: value for target, (_, value) in given.items()} | exact
 
 
 def _fitting(system: System, pattern: str, name: str) -> list[str]:

@@ -165,7 +165,7 @@ def chosen_car(shape: Shape) -> System:
     """The hopper car that the options mean, with its experiment."""
     from orchestrator import Experiment
 
-    from ..car import changes, hopper
+    from ..car import changes, creep, hopper
 
     own_track = is_track_file(shape.track) or shape.layout is not None
     named = "perfect" if own_track else shape.track
@@ -197,6 +197,10 @@ def chosen_car(shape: Shape) -> System:
         notes += said
     for instance, coordinate, value in shape.initials:
         system = changes.displaced(system, instance, coordinate, value)
+    if shape.car != creep.REPORT:
+        asked = {one for one, name in changes.meant(system, shape.settings) if name == creep.LAW}
+        system, said = creep.ending_at_friction(system, _bends(stations), asked)
+        notes += said
     system = changes.with_settings(system, shape.settings)
     stop = DURATION
     if shape.speed_profile is not None:
@@ -217,6 +221,14 @@ def chosen_car(shape: Shape) -> System:
     kind = "track" if shape.layout is None else "layout"
     check_length(system, stations, f"the {kind} '{shape.layout or shape.track}'")
     return system
+
+
+def _bends(stations: TrackData | None) -> bool:
+    """Whether a track of one's own has curves."""
+    from ..geometry.sections import STRAIGHTEST
+
+    line = None if stations is None else stations.line
+    return line is not None and bool((abs(line[0]) > STRAIGHTEST).any())
 
 
 def _own_track(system: System, shape: Shape) -> TrackData:

@@ -26,7 +26,7 @@ NUMBERS = {
 }
 """Columns beside those of the outputs, and their units."""
 
-TEXTS = ("verdict", "message")
+TEXTS = ("creep_law", "verdict", "message")
 
 
 @cache
@@ -45,6 +45,7 @@ def run_one(options: Mapping[str, Any], outputs: Sequence[str] | None, reuse: bo
     """
     from orchestrator import simulate
 
+    from ..car.creep import laws
     from ..car.hopper import layout_of
     from ..failures import PACKAGES, heard
     from ..options.chosen import Shape, chosen_car
@@ -70,7 +71,7 @@ def run_one(options: Mapping[str, Any], outputs: Sequence[str] | None, reuse: bo
             said = f"{type(error).__name__}: {error}"
         return {"units": {}, "message": said, "wall_time": time.perf_counter() - begin}
     row = _numbers(heard(run), outputs)
-    row |= {"verdict": str(run.verdict), "message": run.message or ""}
+    row |= {"creep_law": laws(system), "verdict": str(run.verdict), "message": run.message or ""}
     row["stepping_time"] = run.statistics.wall_stepping
     row["wall_time"] = time.perf_counter() - begin
     return row

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,6 +11,7 @@ import numpy as np
 
 from orchestrator import whole_file
 
+from ..car.creep import LAW
 from ..netcdf import write_netcdf
 from .axes import Axis
 from .one import NUMBERS, TEXTS, Row
@@ -104,6 +106,15 @@ def idle_axes(table: xr.Dataset) -> list[str]:
         for place, axis in enumerate(axes)
         if table.sizes[axis] > 1 and all(same(v, place) for v in numbers.values())
     ]
+
+
+def mixed_laws(table: xr.Dataset) -> str:
+    """How many runs have each creep law, where they differ without an axis of it; or nothing."""
+    asked = any(str(axis).endswith(f".{LAW}") for axis in table.dims)
+    counts = Counter(str(law) for law in table[LAW].values.ravel() if law)
+    if asked or len(counts) < 2:
+        return ""
+    return " and ".join(f"{law} in {count}" for law, count in counts.items())
 
 
 def digest(table: xr.Dataset) -> pd.DataFrame:

@@ -113,7 +113,8 @@ def test_unlike_wheels_changed_over_hunt_as_in_a_mirror(uneven):
 
 @pytest.mark.slow
 def test_small_motion_on_profiles_grows_as_the_linear_car_on_them():
-    car = StudiedCar(wheel=str(wheelrail_fmu(circles(0.4, 0.3, 0.05))))
+    wheel = str(wheelrail_fmu(circles(0.4, 0.3, 0.05)))
+    car = StudiedCar(wheel=wheel, settings=[("*", "creep_law", "linear")])
     row = hunting(car, [100 * FOOT], 20.0, initial_yaw=1e-6 * YAW, transients_only=True).tables[
         "limit_cycles"
     ]

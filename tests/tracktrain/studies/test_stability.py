@@ -191,7 +191,8 @@ def rounded():
     plain = circles(0.4, 0.3, 0.05)
     other = replace(plain.tread, over=plain.tread.over - 1e-3)
     unlike = replace(plain, right=replace(plain, tread=other))
-    return [StudiedCar(wheel=str(wheelrail_fmu(table))) for table in (plain, unlike)]
+    law = [("*", "creep_law", "linear")]
+    return [StudiedCar(wheel=str(wheelrail_fmu(t)), settings=law) for t in (plain, unlike)]
 
 
 @pytest.mark.slow

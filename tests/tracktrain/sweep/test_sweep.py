@@ -26,10 +26,10 @@ from tracktrain.options.chosen import Shape
 from tracktrain.options.master import COUPLING
 from tracktrain.scales import FOOT
 from tracktrain.sweep import sweep
-from tracktrain.sweep.axes import SweepError, make_axis, read_axis
+from tracktrain.sweep.axes import Axis, SweepError, make_axis, read_axis
 from tracktrain.sweep.grid import USUAL
 from tracktrain.sweep.one import run_one
-from tracktrain.sweep.table import idle_axes, pace
+from tracktrain.sweep.table import idle_axes, make_table, mixed_laws, pace
 from tracktrain.sweep.workers import rows
 
 FORCE = "wheelset_11.force_y"
@@ -372,3 +372,13 @@ def test_an_axis_along_which_no_number_differs_has_no_say() -> None:
     assert idle_axes(table) == ["colour"]
     assert idle_axes(table.assign(done=table["done"] * 0)) == []
     assert idle_axes(table.assign(peak=table["peak"] * np.nan)) == []  # all runs failed
+
+
+def test_runs_that_differ_in_their_creep_law_are_told_unless_it_was_swept_over():
+    def told(name, found):
+        rows = {n: {"units": {}, "creep_law": law} for n, law in enumerate(found)}
+        return mixed_laws(make_table([Axis(name, tuple(range(len(found))))], rows))
+
+    assert told("wheel", ["linear", "polach", "polach"]) == "linear in 1 and polach in 2"
+    assert told("wheel", ["polach", "polach", ""]) == ""
+    assert told("wheelset_*.creep_law", ["linear", "polach"]) == ""

@@ -114,7 +114,7 @@ def command(
 
 
 def _print(table: xr.Dataset, axes: list[str], folder: Path) -> None:
-    from ...sweep.table import digest, idle_axes
+    from ...sweep.table import digest, idle_axes, mixed_laws
 
     console = Console()
     failed = [str(text) for text in table["message"].values.ravel() if text]
@@ -124,6 +124,9 @@ def _print(table: xr.Dataset, axes: list[str], folder: Path) -> None:
         console.print(note, style="dim", markup=False, highlight=False)
     for axis in idle_axes(table):
         note = f"note: {axis} changed no bit of any number: it has no say in these runs"
+        console.print(note, style="dim", markup=False, highlight=False)
+    if laws := mixed_laws(table):
+        note = f"note: creep laws differ, {laws}; --set '*.creep_law=polach' for one in all runs"
         console.print(note, style="dim", markup=False, highlight=False)
     console.print(table.attrs["pace"], markup=False, highlight=False)
     console.print(

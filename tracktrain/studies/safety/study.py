@@ -96,6 +96,7 @@ def safety(
             + ", ".join(SAFETY.values())
             + " is exceeded, and no wheel climbs by Nadal's limit over 5 ft",
             "one realisation of the track; another one (--seed) gives other shares",
+            "critical speeds are those of the linear creep coefficients, whatever the law",
         ],
     )
 

@@ -20,9 +20,7 @@ Examples:
   tracktrain profile build my_wheel.csv 60e1 --gauge "1435 mm" --gauge-depth "14 mm" --target all
   tracktrain profile build worn crown --right-wheel conical -o uneven.fmu
   tracktrain profile build worn crown --yaw "40 mrad" -o yawed.fmu
-  tracktrain run --wheel worn.fmu --set wheelset_11.creep_law=polach \\
-      --set wheelset_12.creep_law=polach --set wheelset_21.creep_law=polach \\
-      --set wheelset_22.creep_law=polach"""
+  tracktrain run --wheel worn.fmu"""
 )
 @click.argument("wheel")
 @click.argument("rail")
