@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
-from ..describe.variables import Input, Output, Parameter, Values, Variable, limits
+from ..describe.variables import MAX, Input, Output, Parameter, Values, Variable, limits
 from ..model import KINDS, Model
 from .stored import from_bytes, to_bytes
 
@@ -157,6 +157,12 @@ class Slave:
         step = f"doStep from t = {current_time:g} s by {step_size:g} s"
         if not step_size >= 0.0 or not math.isfinite(current_time + step_size):
             raise RefusedError(f"{step}: the step must be finite and not negative")
+        if abs(current_time - self._time) > ROUNDING * (abs(self._time) + 1e3 * step_size):
+            raise RefusedError(
+                f"doStep from t = {current_time:.17g} s by {step_size:g} s, and this instance is "
+                f"at t = {self._time:.17g} s: step from there, or restore a state that was saved "
+                "at the other time"
+            )
         if current_time + step_size > self._stop + ROUNDING * step_size:
             raise RefusedError(f"{step} goes past the stop time of {self._stop:g} s")
         before = self._snapshot()
@@ -245,8 +251,10 @@ class Slave:
         low, high = limits(variable)
         if not low <= value <= high:
             unit = "" if variable.unit == "1" else f" {variable.unit}"
+            least = [f"at least {low:g}{unit}"] if low > -MAX else []
+            most = [f"at most {high:g}{unit}"] if high < MAX else []
             raise RefusedError(
-                f"{name} cannot be {value:g}{unit}: its range is {low:g} to {high:g}"
+                f"{name} cannot be {value:g}{unit}: it must be {' and '.join([*least, *most])}"
             )
         if self._phase == RUNNING and not variable.tunable:
             raise RefusedError(f"{name} is a fixed parameter: set it before the run starts")

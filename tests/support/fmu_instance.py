@@ -80,22 +80,22 @@ class FmuInstance(Instance):
             for kind in (FMU2Model if model_exchange else FMU2Slave, FMU2Slave)
         )
         callbacks = fmi2CallbackFunctions()
-        # The standard's logger is variadic; our FMUs pass the format "%s" and one string.
+        # The standard's logger is variadic; our FMUs pass a format without arguments.
         logger = ctypes.CFUNCTYPE(
             None,
             fmi2ComponentEnvironment,
             ctypes.c_char_p,
             ctypes.c_int,
             ctypes.c_char_p,
-            *[ctypes.c_char_p] * 2,
+            ctypes.c_char_p,
         )(self._log)
         self._keep = logger
         callbacks.logger = ctypes.cast(logger, fmi2CallbackLoggerTYPE)
         self.slave.instantiate(callbacks=callbacks)
         self.stepped.component = self.slave.component
 
-    def _log(self, _env, _name, _status, _category, text, *arguments) -> None:
-        self.messages.append((text % arguments).decode())
+    def _log(self, _env, _name, _status, _category, text) -> None:
+        self.messages.append((text % ()).decode())
 
     def declared(self) -> dict[str, set[str]]:
         """The inputs that each output is declared to depend on."""

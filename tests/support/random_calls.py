@@ -63,7 +63,7 @@ class AnyCalls(RuleBasedStateMachine):
         self.unknowns |= {r for r, v in self.variables.items() if v.causality == "output"}
         self.references = [*self.legal_references, self.legal_references[-1] + 1, *PAST_THE_END]
         self.slave.reset()
-        self.phase, self.start, self.stop = "instantiated", 0.0, math.inf
+        self.phase, self.start, self.stop, self.now = "instantiated", 0.0, math.inf, 0.0
 
     @initialize(running=st.booleans())
     def begin(self, running: bool) -> None:
@@ -122,7 +122,7 @@ class AnyCalls(RuleBasedStateMachine):
     def enter_initialization(self) -> None:
         refused = self.phase != "instantiated" or not math.isfinite(self.start)
         if self.call(self.slave.enterInitializationMode, refused=refused) is not None:
-            self.phase = "initializing"
+            self.phase, self.now = "initializing", self.start
 
     @rule()
     def exit_initialization(self) -> None:
@@ -138,7 +138,7 @@ class AnyCalls(RuleBasedStateMachine):
     @rule()
     def reset(self) -> None:
         self.call(self.slave.reset, refused=False)
-        self.phase, self.start, self.stop = "instantiated", 0.0, math.inf
+        self.phase, self.start, self.stop, self.now = "instantiated", 0.0, math.inf, 0.0
 
     @precondition(lambda self: self.phase not in self.started)
     @rule()
@@ -150,7 +150,8 @@ class AnyCalls(RuleBasedStateMachine):
     @precondition(lambda self: self.phase == "running")
     @rule(size=st.floats(0.0, 0.02))
     def go_on(self, size: float) -> None:
-        self.call(self.stepped.doStep, 0.0, size)
+        if self.call(self.stepped.doStep, self.now, size) is not None:
+            self.now += size
 
     @rule(data=st.data())
     def set_reals(self, data: st.DataObject) -> None:
@@ -211,22 +212,28 @@ class AnyCalls(RuleBasedStateMachine):
         function = self.slave.getDirectionalDerivative
         self.call(function, unknown, known, seed, refused=True if refused else None)
 
-    @rule(time=TIMES, size=SIZES)
-    def step(self, time: float, size: float) -> None:
+    @rule(time=st.none() | TIMES, size=SIZES)
+    def step(self, time: float | None, size: float) -> None:
+        time = self.now if time is None else time
         end = time + size
         too_far = end > self.stop + 1e-3 * max(size, 0.0)
         refused = self.phase != "running" or not (size >= 0.0 and math.isfinite(end)) or too_far
-        self.call(self.stepped.doStep, time, size, refused=True if refused else None)
+        refused |= abs(time - self.now) > 1e-8 * abs(self.now) + 1e-5 * abs(size)
+        if (
+            self.call(self.stepped.doStep, time, size, refused=True if refused else None)
+            is not None
+        ):
+            self.now = end
 
     @rule()
     def save(self) -> None:
         state = self.call(self.slave.getFMUstate, refused=False)
-        self.saved.append((state, self.phase, self.everything()))
+        self.saved.append((state, (self.phase, self.now), self.everything()))
 
     @precondition(lambda self: self.saved)
     @rule(data=st.data(), in_bytes=st.booleans())
     def restore(self, data: st.DataObject, in_bytes: bool) -> None:
-        state, phase, values = data.draw(st.sampled_from(self.saved))
+        state, where, values = data.draw(st.sampled_from(self.saved))
         if in_bytes:
             content = self.call(self.slave.serializeFMUstate, state, refused=False)
             copy = self.call(self.slave.deSerializeFMUstate, content, refused=False)
@@ -234,7 +241,7 @@ class AnyCalls(RuleBasedStateMachine):
             self.slave.freeFMUstate(copy)
         else:
             self.call(self.slave.setFMUstate, state, refused=False)
-        self.phase = phase
+        self.phase, self.now = where
         assert self.everything() == values
 
     @precondition(lambda self: self.saved)

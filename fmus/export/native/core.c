@@ -1,6 +1,7 @@
 /* The life of an instance, and its variables. */
 #include "evaluate.h"
 
+#include <float.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -82,6 +83,17 @@ static int is_kind(Kind own, Kind asked) {
 
 static int is_whole(Kind kind, double value) { return kind == REAL || value == floor(value); }
 
+/* An end that is not given is the largest number there is. A pure number's unit is not shown. */
+static Status out_of_range(Instance *instance, const VariableInfo *info, double value) {
+    int pure = strcmp(info->unit, "1") == 0, below = info->minimum > -DBL_MAX, above = info->maximum < DBL_MAX;
+    const char *space = pure ? "" : " ", *unit = pure ? "" : info->unit;
+    char least[96] = "", most[96] = "";
+    if (below) snprintf(least, sizeof least, " at least %g%s%s", info->minimum, space, unit);
+    if (above) snprintf(most, sizeof most, " at most %g%s%s", info->maximum, space, unit);
+    return core_fail(instance, "%s cannot be %g%s%s: it must be%s%s%s", info->name, value, space, unit, least,
+                     below && above ? " and" : "", most);
+}
+
 static Status check_settable(Instance *instance, uint32_t reference, Kind kind, double value) {
     const State *s = &instance->state;
     if (reference == 0 || reference >= N_REFERENCES)
@@ -104,15 +116,13 @@ static Status check_settable(Instance *instance, uint32_t reference, Kind kind, 
                          : reference < FIRST_CONSTANT ? "a local variable"
                                                       : "a calculated parameter");
     const VariableInfo *info = VARIABLE_INFO + reference - 1;
-    int pure = strcmp(info->unit, "1") == 0; /* a pure number's unit is not shown */
     if (!is_kind(info->kind, kind))
         return core_fail(instance, "%s is of type %s and cannot be set as %s", info->name,
                          KIND_NAME[info->kind], KIND_NAME[kind]);
     if (!finite_number(value))
         return core_fail(instance, "%s cannot be %g: a finite number is needed", info->name, value);
     if (value < info->minimum || value > info->maximum)
-        return core_fail(instance, "%s cannot be %g%s%s: its range is %g to %g", info->name, value,
-                         pure ? "" : " ", pure ? "" : info->unit, info->minimum, info->maximum);
+        return out_of_range(instance, info, value);
     if (reference < FIRST_INPUT && started(s) && !info->tunable)
         return core_fail(instance, "%s is a fixed parameter: set it before the run starts", info->name);
     if (reference < FIRST_INPUT && s->phase == CONTINUOUS_MODE)

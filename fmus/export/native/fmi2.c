@@ -13,9 +13,8 @@ typedef struct {
 static void report(void *environment, Status status, const char *message) {
     Fmu *fmu = environment;
     if (fmu->callbacks.logger)
-        fmu->callbacks.logger(fmu->callbacks.componentEnvironment, fmu->slave.name,
-                              status == ERROR ? FMI2_ERROR : FMI2_WARNING,
-                              status == ERROR ? "logStatusError" : "logStatusWarning", "%s", message);
+        fmi2_log(&fmu->callbacks, fmu->slave.name, status == ERROR ? FMI2_ERROR : FMI2_WARNING,
+                 status == ERROR ? "logStatusError" : "logStatusWarning", message);
 }
 
 #define CORE (((Slave *)c)->core)

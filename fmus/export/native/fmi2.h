@@ -4,6 +4,8 @@
 
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
 
 typedef void *fmi2Component;
 typedef void *fmi2FMUstate;
@@ -27,5 +29,18 @@ typedef struct {
 
 enum { FMI2_OK, FMI2_WARNING, FMI2_DISCARD, FMI2_ERROR, FMI2_FATAL, FMI2_PENDING };
 enum { FMI2_LAST_SUCCESSFUL_TIME = 2, FMI2_TERMINATED = 3 };
+
+/* Logs a message. A logger formats what it is given as printf does, but importers that cannot show it
+ * as it is: so the message itself is the format, its % doubled, and has no arguments. */
+static inline void fmi2_log(const fmi2CallbackFunctions *callbacks, fmi2String name, fmi2Status status,
+                            fmi2String category, const char *message) {
+    char *format = malloc(2 * strlen(message) + 1), *end = format;
+    if (!format) return;
+    for (; *message; *end++ = *message++)
+        if (*message == '%') *end++ = '%';
+    *end = '\0';
+    callbacks->logger(callbacks->componentEnvironment, name, status, category, format);
+    free(format);
+}
 
 #endif

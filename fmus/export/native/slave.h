@@ -31,10 +31,15 @@ Status slave_enter_initialization(Slave *slave);
 Status slave_exit_initialization(Slave *slave);
 Status slave_reset(Slave *slave);
 
-/* Whether a step stays within the experiment. */
+/* Whether a step goes on from where the instance is, and stays within the experiment. */
 static inline Status slave_check_step(Slave *slave, double time, double size) {
-    double stop = slave->stop;
-    if (time + size > stop + 1e-9 * fabs(stop) + 1e-6 * size) /* what masters lose by rounding */
+    double stop = slave->stop, now = slave->core->state.time;
+    int possible = slave->core->state.phase == STEPPING && size >= 0.0 && isfinite(time + size);
+    if (possible && fabs(time - now) > 1e-9 * fabs(now) + 1e-6 * size) /* what masters lose by rounding */
+        return core_fail(slave->core, "doStep from t = %.17g s by %g s, and this instance is at t = %.17g s: step "
+                                      "from there, or restore a state that was saved at the other time",
+                         time, size, now);
+    if (time + size > stop + 1e-9 * fabs(stop) + 1e-6 * size)
         return core_fail(slave->core, "doStep from t = %.17g s by %g s goes past the stop time of %g s", time,
                          size, stop);
     return OK;

@@ -48,7 +48,7 @@ class AnyCalls3(AnyCalls):
         in_time = math.isfinite(self.start) and self.stop >= self.start
         refused = self.phase != "instantiated" or not in_time
         if self.call(self.slave.enterInitializationMode, refused=refused) is not None:
-            self.phase = "initializing"
+            self.phase, self.now = "initializing", self.start
 
     def set_input_derivatives(self) -> None:
         """There are none; inputs vary within a step at intermediate updates."""

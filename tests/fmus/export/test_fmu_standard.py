@@ -94,6 +94,38 @@ def test_nothing_steps_past_the_stop_time(instance):
     instance.slave.doStep(STEP, STEP * (1 + 1e-12))  # a master's rounding is not past it
 
 
+def test_a_step_goes_on_from_where_the_instance_is(instance):
+    slave = instance.initialize().slave
+    slave.doStep(0.0, STEP)
+    before = instance.outputs()
+    for time in (0.0, STEP / 2, STEP * 1.001, 0.5, -STEP):
+        message = refused(instance, slave.doStep, time, STEP)
+        assert message == (
+            f"doStep from t = {time:.17g} s by 0.001 s, and this instance is at "
+            f"t = {STEP:.17g} s: step from there, or restore a state that was saved at the "
+            "other time"
+        )
+        assert instance.outputs() == before
+    slave.doStep(STEP * (1 + 1e-10), STEP)  # a master's rounding
+
+
+def test_a_step_goes_on_from_the_time_of_a_restored_state(instance):
+    slave = instance.initialize().slave
+    slave.doStep(0.0, STEP)
+    save, restore = (
+        (slave.getFMUstate, slave.setFMUstate)
+        if hasattr(slave, "getFMUstate")
+        else (slave.getFMUState, slave.setFMUState)
+    )
+    state = save()
+    slave.doStep(STEP, STEP)
+    after = instance.outputs()
+    restore(state)
+    assert "is at t = 0.001 s" in refused(instance, slave.doStep, 2 * STEP, STEP)
+    slave.doStep(STEP, STEP)
+    assert instance.outputs() == after
+
+
 def test_a_reset_forgets_the_stop_time(instance):
     instance.slave.setupExperiment(startTime=0.0, stopTime=STEP)
     instance.slave.reset()

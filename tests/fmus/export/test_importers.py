@@ -52,9 +52,9 @@ def test_why_there_is_no_instance_is_told_under_the_name_that_was_asked_for(bloc
     description = read_model_description(str(path))
     said = []
     kind = ctypes.CFUNCTYPE(
-        None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, *[ctypes.c_char_p] * 3
+        None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, *[ctypes.c_char_p] * 2
     )
-    logger = kind(lambda _env, name, status, _category, _format, text: said.append((name, status)))
+    logger = kind(lambda _env, name, status, _category, text: said.append((name, status)))
     callbacks = fmi2CallbackFunctions(ctypes.cast(logger, fmi2CallbackLoggerTYPE))
     slave = FmuInstance(path).slave
     arguments = [b"mine", 1, description.guid.encode(), None, ctypes.byref(callbacks), 0, 0]

@@ -210,7 +210,7 @@ def test_worker_dies_with_its_parent_even_when_that_is_killed(tmp_path, fmu, kin
         for entry in Path("/proc").glob("[0-9]*"):
             try:
                 fields = (entry / "stat").read_text().rpartition(")")[2].split()
-                command = (entry / "cmdline").read_text()
+                command = (entry / "cmdline").read_text(errors="replace")
             except OSError:
                 continue
             # a process has children for a moment, too, that are no workers

@@ -25,8 +25,7 @@ typedef struct {
 } Fmu;
 
 static fmi2Status tell(Fmu *fmu, fmi2Status status, const char *message) {
-    if (fmu->callbacks.logger)
-        fmu->callbacks.logger(fmu->callbacks.componentEnvironment, fmu->name, status, "logStatusError", "%s", message);
+    if (fmu->callbacks.logger) fmi2_log(&fmu->callbacks, fmu->name, status, "logStatusError", message);
     return status;
 }
 

@@ -94,7 +94,7 @@ def plain(tmp_path_factory) -> Path:
 
 
 LOGGER = ctypes.CFUNCTYPE(
-    None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, *[ctypes.c_char_p] * 3
+    None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, *[ctypes.c_char_p] * 2
 )
 
 
@@ -109,7 +109,7 @@ class Library:
         self.functions = ctypes.CDLL(str(library))
         self.functions.fmi2Instantiate.restype = ctypes.c_void_p
         self.said: list[tuple[bytes, int, bytes]] = []
-        self.logger = LOGGER(lambda _e, name, s, _c, _f, text: self.said.append((name, s, text)))
+        self.logger = LOGGER(lambda _e, name, s, _c, text: self.said.append((name, s, text)))
         self.callbacks = fmi2CallbackFunctions(ctypes.cast(self.logger, fmi2CallbackLoggerTYPE))
 
     def instantiate(self, **changes) -> int | None:
@@ -128,6 +128,8 @@ class Library:
         ({"name": b""}, "an instance needs a name"),
         ({"resources": None}, "the GUID or the location of the resources is missing"),
         ({"resources": b"file:///no/such/place"}, "there is no folder of resources at file:///no"),
+        # The message is a format of printf: it reads the same formatted, and nearly so as it is.
+        ({"resources": b"file:///no/50%"}, "there is no folder of resources at file:///no/50%%"),
         ({"resources": b"\xff\xfe"}, "there is no folder of resources at"),
     ],
 )
