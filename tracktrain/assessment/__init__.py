@@ -40,9 +40,14 @@ def assess(run: Responses | Run | Path | str) -> pd.DataFrame:
     the rule is for; else it is shown for comparison), scope, statistic, filter, window, formula,
     source, verified (whether the limit was read there), quote.
     """
+    return tabled(judged(run))
+
+
+def tabled(rows: list[dict[str, Any]]) -> pd.DataFrame:
+    """Rows of `judged` as the table of `assess`."""
     import pandas as pd
 
-    return pd.DataFrame(judged(run), columns=COLUMNS).set_index("quantity")
+    return pd.DataFrame(rows, columns=COLUMNS).set_index("quantity")
 
 
 def judged(run: Responses | Run | Path | str) -> list[dict[str, Any]]:
