@@ -13,7 +13,7 @@ from .errors import (
     listed,
     plain,
 )
-from .files import whole_file
+from .files import content_of, whole_file
 from .fmu.archive import Archive, open_archive
 from .fmu.arrays import shaped, taken_apart
 from .fmu.description import Description, Limit, Tangent, Variable
@@ -147,6 +147,7 @@ __all__ = [
     "all_masters",
     "choices",
     "component_description",
+    "content_of",
     "conversion",
     "couple",
     "coupled_code",

@@ -1,4 +1,4 @@
-"""Files that are written wholly or not at all."""
+"""Files that are read to their end, and written wholly or not at all."""
 
 from __future__ import annotations
 
@@ -9,6 +9,13 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from .errors import UnwrittenError
+
+
+def content_of(path: Path) -> bytes:
+    """The content of a file, or of a pipe; raises OSError, also for a device, which may not end."""
+    if path.is_char_device():
+        raise OSError(errno.EINVAL, "it is a device, not a file")
+    return path.read_bytes()
 
 
 @contextmanager

@@ -33,6 +33,7 @@ DOORS = {
     "fmus/describe/units.py": "pint reads its registry of units",
     "orchestrator/fmu/units.py": "pint reads its registry of units",
     "orchestrator/system/system.py": "matplotlib loads when a picture is asked for",
+    "tracktrain/__main__.py": "Ctrl-C has its meaning before anything is loaded",
     "tracktrain/assessment/__init__.py": "pandas loads for the table, which a page does without",
     "tracktrain/car/carbody.py": "to build a carbody takes CasADi and a compiler",
     "tracktrain/car/hopper.py": "names of cars stand in a help text",

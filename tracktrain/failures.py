@@ -79,6 +79,8 @@ def clear_errors() -> Iterator[None]:
         raise Stopped(
             "the results do not fit into memory; give a shorter --duration or a longer --step"
         ) from None
+    except BrokenPipeError:  # who read what is printed has left, which Click takes quietly
+        raise
     except OSError as error:
         raise Stopped(plain(_told(error))) from None
     except UnicodeEncodeError as error:

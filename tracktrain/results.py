@@ -45,7 +45,7 @@ def clear_earlier(folder: Path) -> list[str]:
 
 def folder_of(run: Path) -> Path:
     """The folder of a run, which is named by it or by its results file."""
-    return run.parent if run.is_file() else run
+    return run if run.is_dir() else run.parent
 
 
 def opened(folder: Path) -> xr.Dataset:

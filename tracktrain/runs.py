@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from orchestrator import RESULTS_NAME
+from orchestrator import RESULTS_NAME, plain
 
 from .errors import TracktrainError
 from .results import opened
@@ -54,9 +54,9 @@ def _folder(place: Path) -> Path:
 
 
 def _names(folders: Sequence[Path]) -> list[str]:
-    """As many last parts of each path as tell all apart."""
+    """As many last parts of each path as tell all apart, as they can be shown."""
     for count in range(1, max(len(folder.parts) for folder in folders)):
         names = ["/".join(folder.parts[-count:]) for folder in folders]
         if len(set(names)) == len(names):
-            return names
-    return [str(folder) for folder in folders]
+            return [plain(name) for name in names]
+    return [plain(str(folder)) for folder in folders]

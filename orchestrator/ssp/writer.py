@@ -9,7 +9,7 @@ from pathlib import Path
 from urllib.parse import quote
 from xml.etree.ElementTree import Element, SubElement
 
-from ..errors import SspError, choices
+from ..errors import SspError, choices, plain
 from ..files import whole_file
 from ..fmu.arrays import element_names
 from ..fmu.description import Description, Variable
@@ -51,7 +51,7 @@ def write_ssp(
     version = version or _version(system)
     if version not in VERSIONS:
         raise SspError(f"SSP has no version '{version}'; {choices(version, VERSIONS)}")
-    archive = _Archive(version, name or path.stem, changes_only)
+    archive = _Archive(version, name or plain(path.stem), changes_only)
     members = archive.members(system)
     with whole_file(path) as new, zipfile.ZipFile(new, "w") as file:
         for member, content in members.items():

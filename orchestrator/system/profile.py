@@ -14,6 +14,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from ..errors import ProfileError, UnitError, choices
+from ..files import content_of
 from ..fmu.description import Description, Variable
 from ..fmu.units import conversion, scale_of
 
@@ -161,7 +162,7 @@ def write_profile(profile: Profile) -> str:
 def _lines(path: Path) -> Iterator[tuple[int, str]]:
     """Numbers and texts of the lines that say something."""
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = content_of(path).decode("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "it is no text in UTF-8"
         raise ProfileError(f"the table {path} cannot be read: {reason.lower()}") from None

@@ -26,7 +26,8 @@ class Tracktrain(LazyGroup):
     """The command itself: it remembers its arguments, which results quote, and fails in words."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        ctx.meta["command"] = shlex.join(["tracktrain", *args])
+        line = shlex.join(["tracktrain", *args])
+        ctx.meta["command"] = line.encode(errors="backslashreplace").decode()  # names may be bytes
         if isinstance(sys.stdout, io.TextIOWrapper):  # a code page without m² costs no results
             sys.stdout.reconfigure(errors="replace")
         return super().parse_args(ctx, args)

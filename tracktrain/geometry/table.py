@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from orchestrator import UnitError, choices, conversion
+from orchestrator import UnitError, choices, content_of, conversion, plain
 
 from .errors import GeometryError
 
@@ -42,9 +42,11 @@ class Table:
 
 
 def read_text(path: Path, what: str = "track") -> str:
-    """The text of a file; GeometryError for one that cannot be read."""
+    """The text of a file; GeometryError for one that cannot be read, or whose name is no text."""
+    if path.name != (shown := plain(path.name)):  # it becomes part of what is made of the file
+        raise GeometryError(f"the {what} '{shown}' has a name that is no text; give it a plain one")
     try:
-        raw = path.read_bytes()
+        raw = content_of(path)
     except OSError as error:
         reason = (error.strerror or "it is no file").lower()
         raise GeometryError(f"the {what} '{path}' cannot be read: {reason}") from None

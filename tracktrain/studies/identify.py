@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from io import BytesIO
 from pathlib import Path
 
 import click
@@ -14,7 +15,7 @@ from matplotlib.figure import Figure
 
 from fmus.truck.identify import Identification
 from fmus.truck.identify import identify as fit
-from orchestrator import choices
+from orchestrator import choices, content_of
 
 from ..errors import TracktrainError
 from ..plots import INK, MUTED, RED, STYLE
@@ -83,7 +84,7 @@ Examples:
 
 def _read(file: Path) -> pd.DataFrame:
     try:
-        table = pd.read_csv(file, skipinitialspace=True)
+        table = pd.read_csv(BytesIO(content_of(file)), skipinitialspace=True)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise TracktrainError(f"'{file}' cannot be read: {reason}") from None

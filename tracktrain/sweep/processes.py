@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib import import_module
 from multiprocessing import get_context
@@ -137,5 +138,6 @@ def _serve(
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     for name in FIRST:
         import_module(name)
-    while (place := _taken(counter, current, len(runs))) != IDLE:
-        pipe.send((place, work(runs[place])))
+    with suppress(BrokenPipeError):  # who wants the rows is gone
+        while (place := _taken(counter, current, len(runs))) != IDLE:
+            pipe.send((place, work(runs[place])))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -167,3 +168,70 @@ def test_a_name_that_no_file_of_ours_can_hold_is_said() -> None:
     said = r"'of bad\\udcff name' cannot be written as utf-8; give the file"
     with pytest.raises(BadInput, match=said), clear_errors():
         "of bad\udcff name".encode()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals as POSIX has them")
+def test_ctrl_c_while_modules_load_ends_the_program_without_a_word() -> None:
+    script = """
+import os, signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+class Pressed:
+    def find_spec(self, name, path=None, target=None):
+        if name == "tracktrain.cli.main":
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Pressed())
+from tracktrain.__main__ import start
+start()
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.returncode == -signal.SIGINT
+    assert done.stderr == ""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes as POSIX has them")
+def test_reader_that_leaves_is_no_error() -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    command = [sys.executable, "-m", "tracktrain", "params"]
+    with os.fdopen(writer, "wb") as pipe:
+        done = subprocess.run(command, stdout=pipe, stderr=subprocess.PIPE, text=True)
+    assert done.stderr == ""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="devices as POSIX has them")
+@pytest.mark.parametrize(
+    "command",
+    [
+        "run --drive track.speed=/dev/zero",
+        "run --layout /dev/zero",
+        "track inspect /dev/zero",
+        "study identify /dev/zero",
+    ],
+)
+def test_device_that_has_no_end_is_not_read(command: str, tmp_path: Path) -> None:
+    told = CliRunner().invoke(main, [*command.split(), "--out", str(tmp_path)])
+    assert told.exit_code == 2
+    assert "/dev/zero" in told.stderr and "it is a device, not a file" in told.stderr
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere names are text")
+def test_folders_whose_names_are_no_text_are_compared_and_written_to(tmp_path: Path) -> None:
+    strange, plain, out = (tmp_path / name for name in ("a\udcff", "b", "c\udcff"))
+    for place in (strange, plain):
+        asked = ["run", "--duration", "0.3s", "--quiet", "--out", str(place)]
+        assert CliRunner().invoke(main, asked).exit_code == 0
+    told = CliRunner().invoke(main, ["compare", str(strange), str(plain), "--out", str(out)])
+    assert told.exit_code == 0, told.output
+    assert r"a\udcff" in (out / "comparison.html").read_text("utf-8")
+    told = CliRunner().invoke(main, ["track", "inspect", "fra5", "--out", str(out)])
+    assert told.exit_code == 0, told.output
+    assert (out / "data.nc").exists()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere names are text")
+def test_data_in_a_file_whose_name_is_no_text_are_refused_before_any_work(tmp_path: Path) -> None:
+    file = tmp_path / "a\udcff.csv"
+    file.write_text("station [m],alignment [m]\n0,0\n1,0\n")
+    told = CliRunner().invoke(main, ["track", "inspect", str(file), "--out", str(tmp_path)])
+    assert told.exit_code == 2
+    assert "has a name that is no text; give it a plain one" in told.stderr

@@ -25,7 +25,7 @@ from tracktrain.errors import TracktrainError
 from tracktrain.options.chosen import Shape
 from tracktrain.options.master import COUPLING
 from tracktrain.scales import FOOT
-from tracktrain.sweep import sweep
+from tracktrain.sweep import processes, sweep
 from tracktrain.sweep.axes import Axis, SweepError, make_axis, read_axis
 from tracktrain.sweep.grid import USUAL
 from tracktrain.sweep.one import run_one
@@ -278,6 +278,15 @@ def test_a_run_that_takes_its_process_along_is_a_row_and_the_others_are_made():
     assert {n: row.get("square") for n, row in found.items()} == {10: 1, -20: None, 30: 9}
     assert found[-20]["message"] == "the process of this run ended with exit code 3"
     assert os.getpid() not in {row.get("process") for row in found.values()}
+
+
+def test_a_process_whose_sweep_was_killed_ends_quietly(monkeypatch):
+    monkeypatch.setattr(processes.signal, "signal", lambda *_: None)
+    receiver, sender = processes.SPAWN.Pipe(duplex=False)
+    receiver.close()
+    counter, current = processes.SPAWN.Value("q", 0), processes.SPAWN.Value("q", -1, lock=False)
+    processes._serve(sender, counter, current, [{"number": 2.0}] * 3, squared)
+    assert counter.value == 1
 
 
 def test_a_few_short_runs_do_not_wait_for_other_processes():

@@ -79,9 +79,7 @@ def command(
     refuse_idle_options(ctx, shape)
     system = chosen_car(shape)
     if kind == ".ssp":
-        path = orchestrator.write_ssp(
-            system, file, name=file.stem, version=standard, changes_only=changes_only
-        )
+        path = orchestrator.write_ssp(system, file, version=standard, changes_only=changes_only)
     else:
         path = _one_fmu(system, file, fmi, targets)
     for note in system.notes:
