@@ -28,7 +28,7 @@ from .masters.iterated import Iterated
 from .masters.jacobi import Jacobi
 from .masters.one_pass import OnePass
 from .naming import is_pattern, picked
-from .notes import Detail
+from .notes import Advice, Detail
 from .plan.plan import Plan, component_description, make_plan
 from .plan.ports import Problem, fit
 from .results.callback import Callback
@@ -80,6 +80,7 @@ from .whole.verify import verify
 __all__ = [
     "CHECKS",
     "RESULTS_NAME",
+    "Advice",
     "Archive",
     "ArchiveError",
     "BondResidual",

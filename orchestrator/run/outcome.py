@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+from ..notes import Advice
+
 
 class Kind(Enum):
     """What ended a run; the value is the sentence that says so."""
@@ -24,6 +26,12 @@ class Kind(Enum):
     FAILED = "{why}"
 
 
+WAYS: dict[Kind, tuple[dict[str, str], ...]] = {
+    Kind.NOT_CONVERGED: ({"step": ""}, {"method": ""}, {"tolerance": ""})
+}
+"""What helps, as `Advice` has it."""
+
+
 @dataclass(frozen=True)
 class Outcome:
     """What ended a run, and when [s]; of which instance and variable, where it is one of them.
@@ -41,4 +49,4 @@ class Outcome:
     evaluations: int = 0
 
     def __str__(self) -> str:
-        return self.kind.value.format(**vars(self))
+        return Advice(self.kind.value.format(**vars(self)), *WAYS.get(self.kind, ()))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import time
 
+from ..notes import Advice
+
 SPIN = 3e-4
 """Wall time [s] before a due time that is waited for awake: a sleep ends later than asked."""
 
@@ -38,7 +40,9 @@ class Pace:
         """How well time was kept."""
         if not self.late:
             return f"real time was kept at all {self.points} communication points"
-        return (
+        return Advice(
             f"{self.late} of {self.points} communication points came late, at most "
-            f"{1e3 * self.worst:.3g} ms; a longer macro step, or fewer outputs, take less time"
+            f"{1e3 * self.worst:.3g} ms; a longer macro step, or fewer outputs, take less time",
+            {"step": ""},
+            {"record": ""},
         )

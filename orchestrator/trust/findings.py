@@ -7,13 +7,13 @@ together the `Evidence`; and the `Verdict` that follows from it.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
 
 from ..masters.base import all_masters
-from ..notes import Detail
+from ..notes import Advice, Detail
 
 VERSION = 4
 """Of the checks: results of another version are not used."""
@@ -65,6 +65,11 @@ class SelfTest:
         return any(f.check == check for f in self.errors)
 
 
+def step_text(step: float) -> str:
+    """A step [s] to two digits, with its unit."""
+    return f"{step:.2g}s" if step >= 1.0 else f"{1e3 * step:.2g}ms"
+
+
 @dataclass(frozen=True)
 class StepLimit:
     """A macro step [s], and the largest that is stable, which a connection sets; inf for none."""
@@ -91,15 +96,18 @@ class StepLimit:
         least = f"largest stable step: about {self.largest:.3g} s, by {self.connection}"
         if not self.close:
             return Detail(f"{least}; the step is {self.share:.2g} of it")
-        return f"{least}; the step of {self.step:g} s is {self.share:.2g} of it: {self.advice}"
+        return f"{least}; the step of {self.step:g} s is {self.share:.2g} of it"
 
     @property
-    def advice(self) -> str:
+    def advice(self) -> Advice:
         """What to do about a step that is close to the limit."""
-        following = [f"{m.name} {m.follows}" for m in all_masters().values() if m.follows]
-        return (
-            f"take at most {MARGIN * self.largest:.2g} s, or a master that follows the loop "
-            f"({', '.join(following)})"
+        following = [m for m in all_masters().values() if m.follows]
+        most = MARGIN * self.largest
+        return Advice(
+            f"take at most {step_text(most)}, or a master that follows the loop: "
+            f"{', '.join(f'{m.name} {m.follows}' for m in following)}",
+            {"step": step_text(most)},
+            *({"master": m.name} for m in following),
         )
 
 
@@ -195,9 +203,12 @@ class Verdict:
     advice: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        said = "; ".join(self.reasons)
-        todo = "".join(f" {_sentence(text)}" for text in self.advice)
-        return f"Coupling: {self.level.value}. {_sentence(said)}{todo}"
+        return f"Coupling: {self.level.value}. {self.told()}"
+
+    def told(self, said: Callable[[str], str] = str) -> str:
+        """The reasons and what to do; said: how that is written, each an `Advice` or plain text."""
+        todo = "".join(f" {_sentence(said(text))}" for text in self.advice)
+        return f"{_sentence('; '.join(self.reasons))}{todo}"
 
 
 def _sentence(text: str) -> str:

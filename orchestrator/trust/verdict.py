@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from ..notes import Advice
 from ..results.energy import BondResidual
-from .findings import Evidence, Level, Refinement, SelfTest, StepLimit, Verdict
+from .findings import Evidence, Level, Refinement, SelfTest, StepLimit, Verdict, step_text
 
 SMALL_RESIDUAL = 3e-4
 """Energy residual of a bond below which the coupling does no harm. The hopper car at 1 ms: loaded
@@ -48,7 +49,7 @@ def judge(message: str | None, bonds: Sequence[BondResidual], evidence: Evidence
     found = [*measured, *tested]
     if not measured:
         found.append((Level.UNKNOWN, "nothing measures the coupling of this system"))
-    advice = [limit.advice] if limit is not None and limit.close else []
+    advice: list[str] = [limit.advice] if limit is not None and limit.close else []
     if any(test.errors for test in evidence.tests.values()):
         advice.append("have the FMU mended, or do not rely on what it got wrong")
     if coupled is not Level.GOOD and not (limit and limit.close) and message is None:
@@ -156,9 +157,11 @@ def _tests(tests: Mapping[str, SelfTest]) -> list[tuple[Level, str]]:
     ]
 
 
-def _advice(level: Level, evidence: Evidence) -> str:
+def _advice(level: Level, evidence: Evidence) -> Advice:
+    if level is Level.UNKNOWN and evidence.refinement is None:
+        return Advice("verify it: run it again with half the step", {"verify": ""})
+    known = evidence.refinement or evidence.limit
+    half = {"step": step_text(known.step / 2) if known else ""}
     if evidence.refinement is not None:
-        return "take a smaller step, or another master"
-    if level is Level.UNKNOWN:
-        return "verify it: run it again with half the step (--verify does)"
-    return "take a smaller step or another master, and verify it (--verify)"
+        return Advice("take a smaller step", half)
+    return Advice("take a smaller step, and verify it", half | {"verify": ""})

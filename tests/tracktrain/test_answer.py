@@ -79,7 +79,7 @@ def test_a_car_that_came_to_rest_does_not_move_for_what_rounding_leaves():
 def test_a_growing_run_says_how_much_and_how_long_to_run():
     said = answer_of(run_of(rate=np.log(4.0) / (DURATION / 2)))
     assert "Answer: doubtful. Not settled: grew 4 times" in said
-    assert "run at least 220 s" in said
+    assert "run at least 220 s, and leave out the transient (--duration 220s --settle)" in said
 
 
 def test_the_worst_part_comes_first_and_the_coupling_is_one_of_them():

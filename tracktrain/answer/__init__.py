@@ -18,6 +18,7 @@ from ..car.validity import Departure, Range, range_of
 from ..events import DERAILMENT, Event, Nadal, events, nadal_rule
 from ..quantities import MOST
 from ..results import speeds
+from ..typed import typed
 from .numbers import of_numbers
 from .standing import Standing, speed_text, standing
 
@@ -56,8 +57,7 @@ def parts(
     whole = dataset if whole is None else whole
     known, found = range_of(whole), [_answer(dataset)]
     if verdict is not None:
-        text = str(verdict).partition(". ")[2]
-        found.insert(0, Part("coupling", verdict.level, text))
+        found.insert(0, Part("coupling", verdict.level, verdict.told(typed)))
     if known.looked_at or _is_car(dataset):
         # A run that began outside is not mended by what is said of its coupling.
         began = any(d.row == 0 and not d.at_edge for d in known.departures)
@@ -160,7 +160,8 @@ def _settled(found: dict[str, Settling], stands: Standing | None, span: float) -
         return Level.GOOD, f"Settled: statistics mean something.{more}"
     needed = max([grown, *(s.needed for s in unsettled.values())])
     states = {s.state for s in unsettled.values()}
-    todo = f"run at least {_rounded(needed)} s, and leave out the transient (--settle)"
+    least = _rounded(needed)
+    todo = f"run at least {least} s, and leave out the transient (--duration {least}s --settle)"
     if State.GROWING in states or (above and growth > 1.0):
         said = f"grew {growth:.2g} times from the first half to the second"
         return Level.DOUBTFUL, f"Not settled: {said}; {todo}.{more}"
@@ -227,7 +228,9 @@ def _unknown(known: Range) -> list[str]:
     if known.unrecorded:
         first, *others = known.unrecorded
         more = f" and {len(others)} more" if others else ""
-        said.append(f"Not looked at, as it was not recorded: {first}{more}; record it (--record).")
+        said.append(
+            f"Not looked at, as it was not recorded: {first}{more}; record it (--record '{first}')."
+        )
     return said
 
 

@@ -85,6 +85,7 @@ def _elsewhere(system: System, table: ContactTable) -> list[str]:
     }
     return [
         f"{name} has its wheels' contacts at {value:.4g} m (half_contact_spacing), the profiles at "
-        f"{table.half_spacing:.4g} m; set {name}.half_contact_spacing to the latter"
+        f"{table.half_spacing:.4g} m; give --set {name}.half_contact_spacing="
+        f"'{table.half_spacing:.4g} m'"
         for name, value in apart.items()
     ]

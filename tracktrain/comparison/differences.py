@@ -73,9 +73,10 @@ def remarks(
         changed = [f"{of} {name}".strip() for kind, name, of in rows if kind == "parameter"]
         found.append(f"{said}: {'; '.join(changed)} had no say" if changed else said)
     for name, data in runs.items():
-        if verdict := str(data.attrs.get("verdict", "")):
-            found.append(f"{name}: {verdict}")
         lines = str(data.attrs.get("answer", "")).splitlines()
+        told = (x for x in lines if x.startswith("Coupling:"))  # with what to type
+        if verdict := next(told, str(data.attrs.get("verdict", ""))):
+            found.append(f"{name}: {verdict}")
         found += [
             f"{name}: {x}" for x in lines if x.startswith("Range:") and " good." not in x[:13]
         ]

@@ -52,8 +52,31 @@ def test_share_of_the_stable_step_decides_the_level(step, level):
 def test_without_a_measure_nothing_is_known_and_the_advice_is_to_verify():
     assert str(judge(None, [], Evidence(PASSED))) == (
         "Coupling: unknown. Nothing measures the coupling of this system; the FMUs passed their "
-        "self-test. Verify it: run it again with half the step (--verify does)."
+        "self-test. Verify it: run it again with half the step."
     )
+
+
+@pytest.mark.parametrize(
+    ("evidence", "text", "ways"),
+    [
+        (Evidence(), "verify it: run it again with half the step", ({"verify": ""},)),
+        (
+            Evidence(limit=StepLimit(1e-3, 1e-2, "a.force -> b.force")),
+            "take a smaller step, and verify it",
+            ({"step": "0.5ms", "verify": ""},),
+        ),
+        (
+            Evidence(refinement=Refinement(1e-3, (Error("b.y", 0.5, 1.0, 2.0),))),
+            "take a smaller step",
+            ({"step": "0.5ms"},),
+        ),
+    ],
+    ids=["nothing known", "a residual", "an error"],
+)
+def test_advice_has_the_settings_that_do_it(evidence, text, ways):
+    measured = evidence.limit or evidence.refinement
+    (advice,) = judge(None, [BondResidual("b", 1.0, 0.5)] if measured else [], evidence).advice
+    assert (advice, advice.ways) == (text, ways)
 
 
 def test_an_fmu_that_lies_makes_doubt_and_is_named():

@@ -43,6 +43,7 @@ from ...options.run import (
 )
 from ...options.trust import shown, trust_options, trusted
 from ...terminal import writable
+from ...typed import typed
 from ...waiting import announced
 from ..as_json import json_option, print_json
 
@@ -225,7 +226,7 @@ def _shown_live(port: int | None) -> Iterator[Sequence[Sink]]:
 
 
 def _stopped(result: Run, folder: Path, goes_on: bool) -> Stopped:
-    message = result.message or "the run stopped early"
+    message = typed(result.message or "the run stopped early")
     hint = f"; go on with --resume {folder}" if goes_on else ""
     return Stopped(f"{message}; what was computed until then is in {folder}{hint}")
 
@@ -358,7 +359,7 @@ def _say(told: Told, result: Run, folder: Path, lost: list[str], form: str) -> N
     print_events(console, told.events, nadal_rule(told.counted))
     chosen = [n for n in notes if form == VERBOSE or not isinstance(n, orchestrator.Detail)]
     for note in chosen:
-        console.print(f"note: {note}", style="dim", markup=False, highlight=False)
+        console.print(f"note: {typed(note)}", style="dim", markup=False, highlight=False)
     console.print(f"results.nc and pictures are in {folder}", markup=False, highlight=False)
     for part in told.parts:
         console.print(str(part), style=STYLES[part.level.value], markup=False, highlight=False)
