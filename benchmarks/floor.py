@@ -129,14 +129,22 @@ class _Text:
 
     def _step(self, slave: int) -> Iterator[str]:
         target, leads = self._targets[slave], self._leads[slave]
-        seeds = iter(self._seeds[slave])
-        for call in target.calls:
-            yield from self._tangent(call, [] if call.seed else next(seeds))
         inputs = [link.input.reference for link in target.links]
+        seeds, copied = iter(self._seeds[slave]), list(target.fills)
+        for call in target.calls:
+            entries = range(call.first_result, call.first_result + len(call.unknowns))
+            place = min((place for place, entry, _ in copied if entry in entries), default=0)
+            straight = [(place + n, entry, 1.0) for n, entry in enumerate(entries)]
+            if set(straight) <= set(copied):
+                copied = [fill for fill in copied if fill not in straight]
+                result = f"v + {len(inputs) + place}"
+            else:
+                result = f"result + {call.first_result}"
+            yield from self._tangent(call, [] if call.seed else next(seeds), result)
         known = self._plan.descriptions[slave].variables
         references = [*inputs, *(known[name].reference for name in target.partials)]
         yield from self._values(target.links)
-        for place, entry, gain in target.fills:
+        for place, entry, gain in copied:
             yield f"v[{len(inputs) + place}] = {gain!r} * result[{entry}];"
         yield from self._send(slave, references)
         if leads:
@@ -161,7 +169,7 @@ class _Text:
         yield from self._send(batch.instance, [link.input.reference for link in links])
         yield from self._read(batch.instance, *columns_of(self._plan, batch))
 
-    def _tangent(self, call: Call, seeds: Sequence[Lead]) -> Iterator[str]:
+    def _tangent(self, call: Call, seeds: Sequence[Lead], result: str) -> Iterator[str]:
         known = self._plan.descriptions[call.source].variables
         unknowns = self._list([known[name].reference for name in call.unknowns])
         knowns = self._list([link.input.reference for link in call.knowns])
@@ -171,7 +179,7 @@ class _Text:
         counts = len(call.unknowns), len(call.knowns)
         yield self._call(
             *("directional", "directional", call.source),
-            *(unknowns, counts[0], knowns, counts[1], seed, f"result + {call.first_result}"),
+            *(unknowns, counts[0], knowns, counts[1], seed, result),
         )
 
     def _slope(self, lead: Lead) -> str:

@@ -268,8 +268,8 @@ INPUTS = (
             optional=True,
         )
         for k in AXLES
-        for load, load_unit in SHARES.items()
         for motion, unit in OWN_MOTION.items()
+        for load, load_unit in SHARES.items()  # in turn, as a tangent's results are
     ),
     *FRAME_INPUTS,
 )
