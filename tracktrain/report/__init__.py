@@ -14,10 +14,12 @@ from orchestrator import Provenance, Responses, Run, whole_file
 
 from ..answer import parts
 from ..assessment import judged
+from ..assessment.order import grouped, left_out, summed_up
 from ..car import curving, slip
 from ..errors import TracktrainError
 from ..events import nadal_rule
 from ..results import PAGE, Bond, responses_of
+from ..statistics import STATISTICS
 from . import content, motion, series, system
 from .packing import packed
 from .rendering import rendered
@@ -63,7 +65,12 @@ def page(dataset: Responses, bonds: Sequence[Bond] | None = None) -> str:
         events=content.happened(dataset),
         nadal=nadal_rule(dataset),
         versions=provenance.versions,
-        assessment=table,
+        numbers=content.numbers(dataset),
+        headings=(*STATISTICS, "dominant frequency"),
+        assessment=grouped(table),
+        left_out=left_out(table),
+        summed_up=summed_up(table),
+        few=content.FEW_EVENTS,
         bonds=bonds,
         rows=dataset.sizes["time"],
         width=width,

@@ -18,6 +18,8 @@ from ..events import Event, events, gravest
 from ..results import RELATIVE, Bond, mean_speed
 from ..rows import each
 from ..scales import FOOT, MILE_PER_HOUR, three_digits
+from ..statistics import STATISTICS
+from ..told import cells, told_of_car
 from .system import titled
 
 
@@ -78,8 +80,27 @@ def facts(
     return found
 
 
-MOST_EVENTS = 100
-"""Events that a page lists and marks."""
+def numbers(dataset: Responses) -> dict[str, dict[str, list[tuple[str, str]]]]:
+    """By group and quantity of a car, the statistics, each with its interval in per cent."""
+    return {
+        group: {
+            f"{label}, {scale.units}" if scale.unit else label: _paired(
+                cells(dataset, variable, scale, tuple(STATISTICS))
+            )
+            for label, (variable, scale) in rows.items()
+        }
+        for group, rows in told_of_car(dataset).items()
+    }
+
+
+def _paired(texts: Sequence[str]) -> list[tuple[str, str]]:
+    """Values and intervals, which stand in turn; what is not excited has no interval."""
+    pairs = zip(texts[::2], texts[1::2], strict=True)
+    return [(v, i if i[0] in "0123456789?" else "") if v != "-" else (i, "") for v, i in pairs]
+
+
+MOST_EVENTS, FEW_EVENTS = 100, 8
+"""Events that a page lists and marks, and those that it shows at once."""
 
 
 def happened(dataset: Responses) -> list[Event]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from functools import cache
 from importlib.resources import files
 from typing import Any
 
 from jinja2 import Environment, PackageLoader
+from markupsafe import Markup, escape
 
 
 def rendered(template: str, scripts: Sequence[str], **values: Any) -> str:
@@ -21,7 +23,15 @@ def rendered(template: str, scripts: Sequence[str], **values: Any) -> str:
 
 @cache
 def _templates() -> Environment:
-    return Environment(loader=PackageLoader(__package__, "page"), autoescape=True, trim_blocks=True)
+    loader = PackageLoader(__package__, "page")
+    found = Environment(loader=loader, autoescape=True, trim_blocks=True)
+    found.filters["marked"] = _marked
+    return found
+
+
+def _marked(text: str) -> Markup:
+    """Text whose `commands` and names are set as code."""
+    return Markup(re.sub(r"`([^`]*)`", r"<code>\1</code>", str(escape(text))))
 
 
 def page_text(name: str) -> str:

@@ -147,10 +147,11 @@ def test_modes_move_and_differ(show: Callable[..., Driver]) -> None:
 
 
 def test_keys_alone_reach_and_work_the_car(show: Callable[..., Driver]) -> None:
-    """Tab goes from the links to the car, its button, time, speed, amplification and views."""
+    """Tab goes from the links to the car, its button, time, speed, amplification and views;
+    then past the headings of the tables to the signals."""
     driver = show()
     reached = []
-    for _ in range(20):
+    for _ in range(60):
         active(driver).send_keys(Keys.TAB)
         here = active(driver)
         reached.append(here.get_attribute("id") or here.get_attribute("aria-label"))
@@ -196,6 +197,33 @@ def test_tables_are_sorted_by_a_press_on_a_heading(show: Callable[..., Driver]) 
         driver.execute_script("arguments[0].click()", head)
         assert driver.execute_script(column) == found
     assert before != sorted(before)
+
+
+def test_rows_of_a_group_stay_with_it_when_a_table_is_sorted(show: Callable[..., Driver]) -> None:
+    driver = show(fresh=False)
+    rows = """return [...document.querySelectorAll('.assessment tbody')].map(
+        body => [...body.rows].map(row => row.cells[0].firstChild.textContent))"""
+    before = driver.execute_script(rows)
+    head = driver.find_element(By.CSS_SELECTOR, ".assessment th:nth-child(1) button")
+    driver.execute_script("arguments[0].click()", head)
+    after = driver.execute_script(rows)
+    assert after != before
+    for (heading, *group), (was, *names) in zip(after, before, strict=True):
+        assert (heading, group) == (was, sorted(names, key=str.casefold))
+
+
+def test_plots_are_not_enlarged_on_paper(show: Callable[..., Driver]) -> None:
+    driver = show(760)
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    try:
+        for plot in ("time-plot", "spectrum-plot"):
+            drawn, room = driver.execute_script(
+                f"const svg = document.querySelector('#{plot} svg');"
+                "return [svg.getBoundingClientRect().width, Number(svg.getAttribute('width'))]"
+            )
+            assert 0 < drawn <= room
+    finally:
+        driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
 
 
 @pytest.mark.parametrize("width", [360, 768])

@@ -17,9 +17,10 @@ from click.testing import CliRunner
 
 from fmus.carbody.default_data import outlined
 from fmus.carbody.modal_data import Point
-from orchestrator import Provenance, simulate
+from orchestrator import Provenance, peak, simulate
 from support.coupled_models import oscillator
 from support.modal import random_data
+from tracktrain.car.hopper import HOPPER
 from tracktrain.car.shapes import unit_motions, wire_frame
 from tracktrain.cli.main import main
 from tracktrain.cli.page_beside import PageBeside
@@ -28,7 +29,10 @@ from tracktrain.report import page
 from tracktrain.report.motion import modes, scene
 from tracktrain.report.packing import envelope, envelope_time, packed
 from tracktrain.report.series import signals
+from tracktrain.results import responses_of
 from tracktrain.spectra import spectrum
+from tracktrain.statistics import excited
+from tracktrain.told import told
 
 TRUCK = {
     "half_wheelbase": 0.86, "half_side_frame_spacing": 0.99, "half_contact_spacing": 0.76,
@@ -142,6 +146,41 @@ def test_page_needs_nothing_from_elsewhere() -> None:
     assert "default-src 'none'" in text
     outside = re.sub(r'<script type="text/plain".*?</script>', "", text, flags=re.DOTALL)
     assert not re.search(r"(src|href)=[\"']?(https?:)?//", outside)
+
+
+def test_what_the_run_is_worth_stands_before_its_curves(hopper_run: Path) -> None:
+    text = (hopper_run / "report.html").read_text(encoding="utf-8")
+    sections = re.findall(r'<section id="(\w+)"', text)
+    ranked = ["numbers", "motion", "assessment", "signals", "spectra", "modes"]
+    assert [name for name in sections if name in ranked] == ranked
+
+
+def test_the_page_has_the_numbers_that_the_run_prints(hopper_run: Path) -> None:
+    text = html.unescape((hopper_run / "report.html").read_text(encoding="utf-8"))
+    numbers = text.partition('<section id="numbers"')[2].partition("</section>")[0]
+    run = responses_of(hopper_run)
+    for rows in told(run).values():
+        for label, (variable, scale) in rows.items():
+            heading = f"{label}, {scale.units}" if scale.unit else label
+            line = numbers.partition(f'"row">{heading}</th>')[2].partition("</tr>")[0]
+            moved = excited(run[variable], scale.rest)
+            said = scale.numbers(peak(run[variable])) if moved else "not excited"
+            assert f">{said}" in line, label
+
+
+def test_of_many_events_the_gravest_are_shown_and_the_others_folded_away() -> None:
+    time = np.arange(4001) / 1000
+    data = plain(4001).assign_coords(time=time)
+    sharp = np.where(time % 0.1 < 0.01, 1.5, 0.0)
+    for axle in HOPPER.axles:
+        for side in ("left", "right"):
+            name = f"{axle.wheelset}.{side}.l_over_v"
+            data[name] = xr.Variable("time", sharp, {"units": "1"})
+    data["track.distance"] = xr.Variable("time", 20.0 * time, {"units": "m"})
+    text = page(data).partition('<section id="events"')[2].partition("</section>")[0]
+    shown, _, folded = text.partition("<details>")
+    assert shown.count('class="seek"') == 8
+    assert folded.count('class="seek"') > 50
 
 
 def test_page_of_any_system_has_its_signals_and_no_car() -> None:

@@ -44,11 +44,11 @@ function compared(column, way) {
   };
 }
 
-// A press on a heading sorts upwards, another one downwards, a third as it was.
+// A press on a heading sorts upwards, another one downwards, a third as it was; each group for itself.
 function makeSortable(table) {
-  const body = table.tBodies[0], heads = [...(table.tHead?.rows[0]?.cells ?? [])];
-  if (!body || body.rows.length < 2 || !heads.length) return;
-  const original = [...body.rows];
+  const heads = [...(table.tHead?.rows[0]?.cells ?? [])];
+  const bodies = [...table.tBodies].map((body) => [body, [...body.rows].filter((row) => !row.matches(".group"))]);
+  if (!heads.length || !bodies.some(([, rows]) => rows.length > 1)) return;
   heads.forEach((head, column) => {
     const button = element("button", { type: "button", className: "sort", title: "Sort" }, ...head.childNodes);
     head.append(button);
@@ -56,9 +56,9 @@ function makeSortable(table) {
       const was = head.getAttribute("aria-sort"), now = was === "ascending" ? "descending" : was === "descending" ? null : "ascending";
       for (const other of heads) other.removeAttribute("aria-sort");
       if (now) head.setAttribute("aria-sort", now);
-      body.append(...(now ? [...original].sort(compared(column, now === "ascending" ? 1 : -1)) : original));
+      for (const [body, rows] of bodies) body.append(...(now ? [...rows].sort(compared(column, now === "ascending" ? 1 : -1)) : rows));
     });
   });
 }
 
-for (const table of document.querySelectorAll("table:not(.live)")) makeSortable(table);
+for (const table of document.querySelectorAll("table:not(.live, .unsorted)")) makeSortable(table);
