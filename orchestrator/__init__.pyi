@@ -60,6 +60,7 @@ from .run.outcome import Kind, Outcome
 from .run.request import Request, read_request
 from .run.settings import Settings
 from .run.simulate import resume, simulate
+from .slaves.departure import ends_when_asked
 from .slaves.inline import InlineModel
 from .slaves.session import Session
 from .ssp.port_map import read_port_map
@@ -155,6 +156,7 @@ __all__ = [
     "describe",
     "diagram",
     "dominant_frequency",
+    "ends_when_asked",
     "fit",
     "frequency_of",
     "from_time",

@@ -53,7 +53,10 @@ class Stopped(click.ClickException):
 
 @contextmanager
 def termination_as_interrupt() -> Iterator[None]:
-    """Have the request to terminate (kill, shutdown, lost terminal) end a run as Ctrl-C does."""
+    """Have the request to terminate (kill, shutdown, lost terminal) end a run as Ctrl-C does.
+
+    Both also end it where an FMU does not return.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -62,7 +65,8 @@ def termination_as_interrupt() -> Iterator[None]:
     for number in heard:  # under nohup a lost terminal is none of its business
         signal.signal(number, signal.default_int_handler)
     try:
-        yield
+        with orchestrator.ends_when_asked():
+            yield
     finally:
         for number, handler in heard.items():
             signal.signal(number, handler)

@@ -26,7 +26,7 @@ from ..results.provenance import provenance
 from ..results.recording import Recording
 from ..results.run import Run, Statistics
 from ..results.sink import Header, Sink
-from ..slaves.departure import callers, departing
+from ..slaves.departure import HUNG, callers, departing
 from ..slaves.session import Session
 from ..ssp.reader import system_of
 from ..system.system import System, Value
@@ -164,17 +164,19 @@ class Execution:
         """While FMUs have the word: one that ends the program is named, and rows are kept."""
         return departing(self._last_words)
 
-    def _last_words(self) -> str:
-        """Keep what was computed, and say which FMU ends the program."""
+    def _last_words(self, did: str) -> str:
+        """Keep what was computed, and say which FMU ends the program, or keeps it."""
         c, out = self.context, self.context.settings.out
-        found = callers(c.slaves)
+        found = callers(c.slaves) or (c.slaves if len(c.slaves) == 1 else [])
         names = " or ".join(f"{s.name} ({s.description.label})" for s in found)
         instance = names or f"one of {', '.join(c.plan.names)}"
         apart = found[0].name if found else "it"
         advice = f"apart, in a process of its own, it would end the run alone: isolate {apart}"
+        if did == HUNG:
+            advice = "an FMU that is isolated ends the run alone after the timeout"
         if self._stepper is None:
-            return f"{instance} ended the program by C's exit() before the first step; {advice}"
-        outcome = str(Outcome(Kind.DEPARTED, self._stepper.now(), instance))
+            return f"{instance} {did} before the first step; {advice}"
+        outcome = str(Outcome(Kind.DEPARTED, self._stepper.now(), instance, why=did))
         self._stepper.flush()
         for sink in self._recording.sinks:
             sink.finish({STOPPED: outcome, VERDICT: None})

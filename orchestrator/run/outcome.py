@@ -19,7 +19,7 @@ class Kind(Enum):
     )
     REFUSED = "{instance}: {why} in the step from t = {time:g} s{said}"
     ASKED = "{instance} asks to end the run at t = {time:g} s{said}"
-    DEPARTED = "{instance} ended the program by C's exit() in the step from t = {time:g} s{said}"
+    DEPARTED = "{instance} {why} in the step from t = {time:g} s{said}"
     UNWRITTEN = "{why}; stopped at t = {time:g} s"
     INTERRUPTED = "interrupted at t = {time:g} s"
     LEFT = "left at t = {time:g} s"

@@ -1,7 +1,8 @@
-"""An FMU that ends the program by C's exit(): who it was is said, and what was computed is kept.
+"""An FMU that ends the program, or keeps it: who it was is said, and what was computed is kept.
 
-Such a call cannot be taken back, since it never returns. But it does ask the functions that were
+C's exit() cannot be taken back, since it never returns. But it does ask the functions that were
 left with C's `__cxa_atexit`, in the thread that called it, and these may still do what is needed.
+While an FMU does not return, no signal is heard in the main thread, but in another one it is.
 """
 
 from __future__ import annotations
@@ -9,27 +10,36 @@ from __future__ import annotations
 import atexit
 import ctypes
 import os
+import signal
+import socket
 import sys
+import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import cache
 from typing import Any
 
+from ..interrupts import HEARD
 from .base import Slave
+
+EXITED, HUNG = "ended the program by C's exit()", "did not return when the program was to end"
 
 DEPTH = 64
 """Calls within each other among which those of an FMU are looked for."""
 
-_last_words: list[Callable[[], str]] = []
+PATIENCE = 5.0
+"""Wall time [s] for a run to end after it was asked to."""
+
+Words = Callable[[str], str]
+"""Keeps what there is to be kept, and gives what is said then; takes what the FMU did."""
+
+_last_words: list[Words] = []
 
 
 class departing:  # noqa: N801 - a context, as those of contextlib; entered for each macro step
-    """While FMUs have the word: `last_words` is called if one ends the program.
+    """While FMUs have the word: `last_words` is called if one ends the program, or keeps it."""
 
-    It keeps what there is to be kept, and gives what is said then.
-    """
-
-    def __init__(self, last_words: Callable[[], str]) -> None:
+    def __init__(self, last_words: Words) -> None:
         _listen()
         self._last = last_words
 
@@ -38,6 +48,40 @@ class departing:  # noqa: N801 - a context, as those of contextlib; entered for 
 
     def __exit__(self, *_: object) -> None:
         _last_words.pop()
+
+
+@contextmanager
+def ends_when_asked() -> Iterator[None]:
+    """Have Ctrl-C, and a request to terminate, end the program while an FMU does not return.
+
+    What was computed is kept, as with an FMU that ends the program. For the main thread.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    asked, telling = socket.socketpair()
+    telling.setblocking(False)
+    before = signal.set_wakeup_fd(telling.fileno(), warn_on_full_buffer=False)
+    over = threading.Event()
+    threading.Thread(target=_end_hung, args=(asked, over), daemon=True).start()
+    try:
+        yield
+    finally:
+        over.set()
+        signal.set_wakeup_fd(before)
+        telling.close()
+
+
+def _end_hung(asked: socket.socket, over: threading.Event) -> None:
+    """End the program if it is asked to, and what had the word then has it for too long."""
+    numbers = {n for n in signal.Signals if n.name in HEARD}
+    with asked:
+        while number := asked.recv(1):
+            words = _last_words[-1] if number[0] in numbers and _last_words else None
+            if words is None or over.wait(PATIENCE):
+                continue
+            if _last_words and _last_words[-1] is words:
+                _say_and_end(words, HUNG)
 
 
 def callers(slaves: Sequence[Slave]) -> list[Slave]:
@@ -82,10 +126,13 @@ def _listen() -> Any:
 
 
 def _leave(_: Any) -> None:
-    if not _last_words:
-        return
+    if _last_words:
+        _say_and_end(_last_words[-1], EXITED)
+
+
+def _say_and_end(words: Words, did: str) -> None:
     with suppress(BaseException):
-        said = _last_words[-1]()
+        said = words(did)
         sys.stdout.flush()
         ctypes.CDLL(None).fflush(None)
         print(f"Error: {said}", file=sys.stderr, flush=True)

@@ -20,13 +20,14 @@ from .loading import load, unzip
 from .profile import ProfileSlave
 from .surroundings import kept
 
-GONE = "ended the program by C's exit() while it was loaded"
-
 
 def _loaded(name: str, description: Description, folder: Path, listener: Listener | None) -> Slave:
     """An instance in this process, which finds its surroundings as they were."""
     changed: list[str] = []
-    with kept(changed.extend), departing(lambda: f"{name} ({description.label}) {GONE}"):
+    with (
+        kept(changed.extend),
+        departing(lambda did: f"{name} ({description.label}) {did} while it was loaded"),
+    ):
         slave = load(name, description, folder, listener)
     slave.disturbed.update(dict.fromkeys(changed))
     return slave

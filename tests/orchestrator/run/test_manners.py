@@ -8,14 +8,26 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from orchestrator import Component, Connection, OrchestratorError, System, simulate
+from orchestrator import (
+    Component,
+    Connection,
+    OrchestratorError,
+    System,
+    ends_when_asked,
+    simulate,
+)
+from orchestrator.slaves import departure
+from orchestrator.slaves.departure import departing
 from orchestrator.trust.self_test import self_test
 from support.manners import EXPERIMENT, manners
+from support.mishap import mishap
+from support.python_process import TESTS
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="the tests' own FMUs need a compiler")
 
@@ -173,6 +185,7 @@ def test_what_an_fmu_changes_around_it_is_put_back_and_said_with_its_name(tmp_pa
 
 PROGRAM = """
 import sys
+import time
 from pathlib import Path
 from orchestrator import Component, System, simulate
 fmu, out = map(Path, sys.argv[1:3])
@@ -206,3 +219,50 @@ def test_an_fmu_that_ends_the_program_while_it_is_loaded_is_named(tmp_path):
     done = program(manners(tmp_path, "LOAD").file, tmp_path / "out", 0.5)
     assert done.returncode == 1
     assert "odd (load.fmu) ended the program by C's exit() while it was loaded" in done.stderr
+
+
+HANGING = """
+import os, signal, sys, threading
+from pathlib import Path
+from orchestrator import ends_when_asked, simulate
+from orchestrator.slaves import departure
+from support.mishap import system
+fmu, out, apart = Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3:]
+departure.PATIENCE = 0.5
+signal.signal(signal.SIGINT, signal.default_int_handler)
+pressed = threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT))
+with ends_when_asked():
+    simulate(
+        system(fmu, "hang", 0.495), duration=1.0, step=0.01, out=out, isolate=apart, timeout=1e6,
+        progress=lambda *_: pressed.is_alive() or pressed.start(),
+    )
+"""
+
+
+@pytest.mark.parametrize("apart", [[], ["odd"]], ids=["here", "apart"])
+def test_ctrl_c_ends_the_program_while_an_fmu_does_not_return_and_keeps_the_rows(tmp_path, apart):
+    from tracktrain.results import opened
+
+    fmu, out = mishap(tmp_path), tmp_path / "out"
+    done = subprocess.run(
+        [sys.executable, "-c", HANGING, str(fmu), str(out), *apart],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join((*sys.path, TESTS))},
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert done.returncode == 1
+    assert done.stderr.strip() == (
+        "Error: odd (mishap.fmu) did not return when the program was to end in the step from "
+        f"t = 0.5 s; what was computed until then is in {out}; an FMU that is isolated ends the "
+        "run alone after the timeout"
+    )
+    np.testing.assert_allclose(opened(out)["odd.y"], 0.01 * np.arange(51), atol=1e-12)
+
+
+def test_ctrl_c_that_is_heard_ends_no_program(monkeypatch):
+    monkeypatch.setattr(departure, "PATIENCE", 0.1)
+    with ends_when_asked():
+        with pytest.raises(KeyboardInterrupt), departing(lambda did: "never said"):
+            signal.raise_signal(signal.SIGINT)
+        time.sleep(0.3)
