@@ -15,6 +15,12 @@ from tracktrain.options.chosen import Shape, chosen_car
 from tracktrain.profiles.pairing import contact_table
 from tracktrain.scales import MILE_PER_HOUR
 
+CURVE = """kind,length [m],radius [m],direction,cant [mm]
+straight,60,,,
+transition,60,,,
+curve,100,90,left,75
+"""
+
 
 @pytest.mark.slow
 def test_the_critical_speed_of_a_run_is_that_of_its_profiles(tmp_path):
@@ -61,3 +67,19 @@ def test_smaller_wheels_on_the_right_have_the_car_run_to_the_right():
     for axle in HOPPER.axles:
         middle = float(run[f"{axle.wheelset}.y_rel"][-400:].mean())
         assert middle == pytest.approx(-less / (2 * taper), rel=2e-3)
+
+
+@pytest.mark.slow
+def test_a_wheel_climbs_in_a_tight_curve_at_any_speed(tmp_path):
+    """The outer wheel's L/V in a curve of 90 m, which 15 mph balance, is no less at 10 mph."""
+    curve = tmp_path / "curve.csv"
+    curve.write_text(CURVE)
+    largest = []
+    for speed in (15 * MILE_PER_HOUR, 10 * MILE_PER_HOUR):
+        car = chosen_car(
+            Shape(speed=speed, wheel="worn", rail="crown", track="perfect", layout=curve)
+        )
+        run = simulate(car, duration=car.experiment.stop, record="*.l_over_v", every=5).dataset
+        largest.append(float(run["wheelset_11.right.l_over_v"].max()))
+    assert largest[0] > 0.5
+    assert largest[1] > 0.99 * largest[0]

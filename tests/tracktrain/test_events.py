@@ -9,8 +9,10 @@ import pytest
 import xarray as xr
 from click.testing import CliRunner
 
+from orchestrator import Level, Verdict
 from tracktrain import events as module
 from tracktrain.answer import parts
+from tracktrain.answer.standing import Standing
 from tracktrain.cli.main import main
 from tracktrain.events import ABOVE, DERAILMENT, LIFT, events, nadal_rule
 from tracktrain.report import page
@@ -138,6 +140,51 @@ def test_what_came_before_a_derailment_by_nadal_is_told_with_what_helps():
     text = next(part.text for part in parts(made) if part.name == "range")
     assert text.startswith("Derailment: ") and "This may have led there: creep" in text
     assert "; a law." in text
+    assert "what follows means nothing. " in text and "speed" not in text
+
+
+def told(run, verdict=None):
+    """What is said to do about the derailment of a run."""
+    text = next(part.text for part in parts(run, verdict) if part.name == "range")
+    return text.partition("what follows means nothing")[2]
+
+
+def in_curve(run, curvature, friction=0.4):
+    """The run in a curve, its leading left wheel outside where that is below zero [1/m]."""
+    run["track.curvature"] = ("time", np.full(run.sizes["time"], curvature))
+    return on_profiles(run, friction=friction, wheelset="wheelset_11")
+
+
+def test_an_outer_wheel_in_a_curve_is_not_told_to_go_slower():
+    """Which does not help: see `test_a_wheel_climbs_in_a_tight_curve_at_any_speed`."""
+    said = told(in_curve(run_of(ratio=range(10, 40)), -1 / 90))
+    assert said.startswith("; in a curve a wheel climbs by its angle of attack and friction")
+    assert "--set '*.friction_coefficient=0.3'" in said and "--speed" not in said
+    dry = told(in_curve(run_of(ratio=range(10, 40)), -1 / 90, friction=0.3))
+    assert "--set" not in dry and "take other profiles (--wheel, --rail)" in dry
+    for curvature in (1 / 90, 0.0):
+        said = told(in_curve(run_of(ratio=range(10, 40)), curvature))
+        assert said == "; lower the speed (--speed), or look at the track there (--track)."
+
+
+def test_a_car_that_hunts_is_told_a_speed_below_the_critical_one(monkeypatch):
+    fast = Standing(SPEED, 18.5, 0.2, "lateral", 1.0, ())
+    for name in ("", ".derailed"):
+        monkeypatch.setattr(f"tracktrain.answer{name}.standing", lambda dataset: fast)
+    said = told(in_curve(run_of(ratio=range(10, 40)), -1 / 90))
+    assert said == "; it hunts at this speed: take one below the critical (--speed '41 mph')."
+
+
+def test_a_run_that_begins_derailed_is_told_to_begin_elsewhere():
+    said = told(run_of(ratio=range(40)))
+    assert "begin on straight track and nearer to rest (--initial)" in said
+    assert "speed" not in said
+
+
+def test_a_derailment_of_a_coupling_that_failed_is_told_to_mend_that_first():
+    broken = Verdict(Level.BAD, ("the force jumps",))
+    said = told(run_of(ratio=range(10, 40)), broken)
+    assert said == ". The coupling may be what led there; mend it first."
 
 
 def test_assess_prints_the_events_and_leaves_them_as_a_table(tmp_path):

@@ -19,6 +19,7 @@ from ..events import DERAILMENT, Event, Nadal, events, nadal_rule
 from ..quantities import MOST
 from ..results import speeds
 from ..typed import typed
+from .derailed import helps
 from .numbers import of_numbers
 from .standing import Standing, speed_text, standing
 
@@ -62,7 +63,7 @@ def parts(
         # A run that began outside is not mended by what is said of its coupling.
         began = any(d.row == 0 and not d.at_edge for d in known.departures)
         unsure = verdict is not None and verdict.level is Level.BAD and not began
-        found.insert(0 if began else 1, _range(known, events(whole), unsure, nadal_rule(whole)))
+        found.insert(0 if began else 1, _range(whole, known, events(whole), unsure))
     if _is_car(dataset):
         found.append(Part("numbers", *of_numbers(dataset)))
     return sorted(found, key=lambda part: ORDER.index(part.level))
@@ -73,7 +74,7 @@ def outside(dataset: Responses, happened: list[Event]) -> Part | None:
 
     happened: its events.
     """
-    found = _range(range_of(dataset), happened, False, nadal_rule(dataset))
+    found = _range(dataset, range_of(dataset), happened, False)
     return found if found.level in (Level.BAD, Level.DOUBTFUL) else None
 
 
@@ -172,25 +173,29 @@ def _settled(found: dict[str, Settling], stands: Standing | None, span: float) -
     return Level.DOUBTFUL, f"Too short for statistics of {', '.join(unsettled)}; {todo}.{more}"
 
 
-def _range(known: Range, happened: list[Event], unsure: bool, rule: Nadal) -> Part:
+def _range(dataset: Responses, known: Range, happened: list[Event], unsure: bool) -> Part:
     """unsure: whether the coupling may have led the run there."""
     beyond = [d for d in known.departures if not d.at_edge]
     derailed = [event for event in happened if event.kind == DERAILMENT]
     unknown = _unknown(known)
-    said = []
+    said, told = list[str](), list[Departure]()
     if beyond:
         worst, *others = beyond
         # What came before a derailment may have led there: it is told with its remedy.
         last = worst.time if worst.limit.void else max((e.time for e in derailed), default=0.0)
         before = [d for d in others if d.time < last]
+        told = [worst, *before]
         more = [_in_short(d) for d in others if d not in before]
         said.append(f"{_capital(str(worst))}.")
         said += [f"This may have led there: {_in_short(d)}; {d.limit.remedy}." for d in before]
         said += [f"Also outside: {'; '.join(more)}."] if more else []
-        said += ["The coupling may be what led there; mend it first."] if unsure else []
+    if unsure and (beyond or derailed):
+        said.append("The coupling may be what led there; mend it first.")
     void = any(d.limit.void for d in beyond)
     if derailed:
-        said.insert(len(said) if void else 0, _capital(_derailed(derailed, rule)))
+        todo = "" if unsure else helps(dataset, derailed[0], told)
+        first = _capital(_derailed(derailed, nadal_rule(dataset), todo))
+        said.insert(len(said) if void else 0, first)
     if not said and known.looked_at:
         said.append("The run stayed inside the limits that its FMUs state.")
     said += [f"{_capital(str(d))}." for d in known.departures if d.at_edge]
@@ -209,14 +214,13 @@ def _in_short(departure: Departure) -> str:
     return f"{departure.limit.beyond} (from {departure.time:.3g} s, worst {departure.found})"
 
 
-def _derailed(found: list[Event], rule: Nadal) -> str:
-    """The first derailment, and what to do about it."""
+def _derailed(found: list[Event], rule: Nadal, todo: str) -> str:
+    """The first derailment; todo: what helps."""
     more = f", and {len(found) - 1} more" if len(found) > 1 else ""
     return (
         f"{found[0]}{more}; Nadal's limit is {rule.limit:.3g} over {rule.window:.3g} m "
         f"({rule.source}; {rule.given}). "
-        "No flange climbs in this model: what follows means nothing; lower the speed, or look at "
-        "the track there."
+        f"No flange climbs in this model: what follows means nothing{todo and f'; {todo}'}."
     )
 
 

@@ -66,4 +66,5 @@ def _said(section: Section, speed: float) -> str:
 
 
 def _both(length: float) -> str:
+    length = round(length, 5) + 0.0  # nothing less than zero that is shown as zero
     return f"{1e3 * length:.0f} mm ({length / INCH:.2f} in)"
