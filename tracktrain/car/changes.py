@@ -54,7 +54,7 @@ def swapped(
     kept = {
         name: _with_unit(value, own.variables[name].unit)
         for name, value in component.parameters.items()
-        if found.find(name) is not None
+        if takes(found, name)
     }
     components = {**swap.components, instance: replace(component, parameters=kept)}
     lacking = [name for name in component.parameters if name not in kept]
@@ -85,6 +85,12 @@ def swapped(
             "out, and what they add to the loads"
         )
     return replace(swap, components=components, connections=connections), notes
+
+
+def takes(found: Description, name: str) -> bool:
+    """Whether an FMU has a variable that can be given a value; what it calculates cannot."""
+    variable = found.find(name)
+    return variable is not None and variable.takes_value
 
 
 def curved(system: System) -> System:

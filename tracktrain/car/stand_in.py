@@ -32,8 +32,9 @@ from orchestrator import (
     taken_apart,
 )
 
-from .changes import connected_ports, differentiated, swapped
+from .changes import connected_ports, differentiated, swapped, takes
 from .hopper import HOPPER, hopper_car
+from .signs import opposed
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,8 @@ class StandIn:
     `unusable`. Of the block's other ports: `optional` and `absent`. Of what the car gives values
     to: `given` and `lacking`. obstacles: what else keeps it out. losses: what it does not offer the
     coupling. mapped: what a map says that ports are in the FMU. effects: inputs of the car that are
-    led otherwise with it; None where it cannot be in.
+    led otherwise with it; None where it cannot be in. opposed: outputs that answer what moves or
+    pushes it with the other sign than the block's.
     """
 
     name: str
@@ -79,6 +81,7 @@ class StandIn:
     obstacles: list[str] = field(default_factory=list)
     losses: list[str] = field(default_factory=list)
     effects: list[str] | None = None
+    opposed: list[str] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
     mapped: dict[str, str] = field(default_factory=dict)
 
@@ -91,6 +94,11 @@ class StandIn:
     @property
     def possible(self) -> bool:
         return not (any(self.missing.values()) or self.unusable or self.obstacles)
+
+    @property
+    def sound(self) -> bool:
+        """Whether it can be in, and answers as the block does."""
+        return self.possible and not self.opposed
 
     @property
     def verdict(self) -> str:
@@ -109,7 +117,14 @@ class StandIn:
         if self.effects:
             but.append("the coupling is less accurate")
         detail = f"; {' and '.join(but)}" if but else ""
-        return f"{self.name} can stand in for the block {self.block}{detail}."
+        said = f"{self.name} can stand in for the block {self.block}{detail}."
+        if not self.opposed:
+            return said
+        verb = "answers" if len(self.opposed) == 1 else "answer"
+        return (
+            f"{said} But {counted(len(self.opposed), 'output')} {verb} with the other sign than "
+            "the block's: turn what is wrong in the FMU, or with sign = -1 in a --map."
+        )
 
 
 def compare(path: Path, block: str, ports: PortMap | None = None) -> StandIn:
@@ -147,6 +162,15 @@ def compare(path: Path, block: str, ports: PortMap | None = None) -> StandIn:
     result.losses += _losses(car, instances[0], required, own, found)
     if result.possible:
         _plan(result, car, instances[0], path, ports)
+    if result.possible:
+        other = swapped(car, instances[0], path, ports)[0].components[instances[0]]
+        pair = (car.components[instances[0]], other)
+        try:
+            result.opposed = opposed(
+                *pair, own, _rates(car, instances[0]), required, found.single_instance
+            )
+        except OrchestratorError as error:
+            result.remarks.append(f"its signs could not be compared with the block's: {error}")
     result.remarks += _remarks(instances, contents, own, found)
     return result
 
@@ -223,7 +247,7 @@ def _compare_values(
 ) -> None:
     """Values that the car gives are converted, so that they must measure the same."""
     for name in car.components[instance].parameters:
-        (result.given if found.find(name) else result.lacking).append(name)
+        (result.given if takes(found, name) else result.lacking).append(name)
     foreign = []
     for name in result.given:
         unit, other = own.variables[name].unit, _of(found, name).unit
@@ -318,6 +342,22 @@ def _ways(plan: Plan) -> dict[str, str]:
         else "mean"
         for link, way in couple(plan).ways.items()
     }
+
+
+def _rates(car: System, instance: str) -> dict[str, str]:
+    """Inputs of an instance that the car drives with rates, by the inputs whose rates they are."""
+    drives: dict[str, str] = {}
+    for connection in car.connections:
+        target, _, port = connection.target.partition(".")
+        if target == instance:
+            drives[connection.source] = port
+    rates = {}
+    for source, port in drives.items():
+        owner, _, output = source.partition(".")
+        rate = describe(Path(str(car.components[owner].fmu))).rate_of(output)
+        if rate is not None and (moving := drives.get(f"{owner}.{rate.name}")):
+            rates[moving] = port
+    return rates
 
 
 def _remarks(

@@ -59,6 +59,13 @@ def test_an_fmu_that_says_no_units_is_taken_to_be_in_those_of_the_block(
         assert f"{bare} as {instance} says no units of " in swapped.notes
 
 
+def test_a_wheelset_on_profiles_stands_in_for_one_on_cones(tmp_path: Path) -> None:
+    profiled = tmp_path / "worn.fmu"
+    built = CliRunner().invoke(main, ["profile", "build", "worn", "crown", "-o", str(profiled)])
+    assert built.exit_code == 0, built.output
+    assert run("--swap", f"wheelset_11={profiled}", out=tmp_path) == (0, "")
+
+
 def test_missing_file_is_named(tmp_path: Path) -> None:
     code, message = run("--swap", "truck_rear=nowhere.fmu", out=tmp_path)
     assert code == 2

@@ -45,7 +45,9 @@ Examples:
 def command(ctx: click.Context, file: Path, block: str | None, map_file: Path | None) -> None:
     """Tell whether an FMU can stand in for a block of the hopper car.
 
-    The exit code is 0 if it can, 1 if it cannot, and 2 if there is nothing to check.
+    Its ports, units and what it offers the coupling are compared with the block's, and the signs
+    with which it answers what moves and pushes it. The exit code is 0 if it can, 1 if it cannot or
+    answers with other signs, and 2 if there is nothing to check.
     """
     if block is None:
         raise click.UsageError(f"--as is missing; choose one of: {', '.join(CAR)}")
@@ -56,9 +58,9 @@ def command(ctx: click.Context, file: Path, block: str | None, map_file: Path | 
     console = plain_console()
     console.print(_comparison(found))
     console.print()
-    style = "bold green" if found.possible else "bold red"
+    style = "bold green" if found.sound else "bold red"
     console.print(found.verdict, style=style, soft_wrap=True)
-    ctx.exit(0 if found.possible else 1)
+    ctx.exit(0 if found.sound else 1)
 
 
 def _comparison(found: StandIn) -> Table:
@@ -91,5 +93,6 @@ def _comparison(found: StandIn) -> Table:
     if found.losses and found.effects == []:
         grid.add_row("effect", "none: every input of the car is led as before")
     add("effect", found.effects or [])
+    add("signs", found.opposed, "red")
     add("note", found.remarks)
     return grid
