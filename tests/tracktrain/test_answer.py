@@ -82,6 +82,15 @@ def test_a_growing_run_says_how_much_and_how_long_to_run():
     assert "run at least 220 s, and leave out the transient (--duration 220s --settle)" in said
 
 
+def test_a_run_on_stations_that_end_is_told_what_to_take_instead_of_a_longer_one():
+    growing = run_of(rate=0.1)
+    instead = "; where the track ends before, take the peaks over its stretches and no rms"
+    growing.attrs["parameters"] = json.dumps({"track.fade_length": 10.0, "track.spectrum": 6})
+    assert "run at least" in answer_of(growing) and instead not in answer_of(growing)
+    growing.attrs["parameters"] = json.dumps({"track.fade_length": 10.0})
+    assert instead in answer_of(growing)
+
+
 def test_the_worst_part_comes_first_and_the_coupling_is_one_of_them():
     found = parts(run_of(rate=0.1), Verdict(Level.BAD, ("the run did not reach its end",)))
     assert [part.name for part in found][:2] == ["coupling", "answer"]

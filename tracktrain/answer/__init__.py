@@ -11,7 +11,16 @@ from math import ceil
 
 import numpy as np
 
-from orchestrator import Level, Responses, Settling, State, Verdict, from_time, settling
+from orchestrator import (
+    Level,
+    Provenance,
+    Responses,
+    Settling,
+    State,
+    Verdict,
+    from_time,
+    settling,
+)
 
 from ..car.hopper import layout_of
 from ..car.validity import Departure, Range, range_of
@@ -114,7 +123,7 @@ def _answer(dataset: Responses) -> Part:
         said = f"{MIXED} {_capital(str(standing(dataset) or UNKNOWN))}."
         return Part("answer", Level.UNKNOWN, said)
     found, stands = moving(dataset), standing(dataset)
-    level, text = _settled(found, stands, float(np.ptp(dataset["time"].values)))
+    level, text = _settled(found, stands, float(np.ptp(dataset["time"].values)), _laid(dataset))
     if not _is_car(dataset):
         return Part("answer", level, text)
     if stands is None:
@@ -144,8 +153,16 @@ def _under_way(dataset: Responses, ends: tuple[float, float], stands: Standing |
     return f"{said}; {where} the critical speed of the linear car, {speed_text(critical)}."
 
 
-def _settled(found: dict[str, Settling], stands: Standing | None, span: float) -> tuple[Level, str]:
-    """span: of the run [s]."""
+def _laid(dataset: Responses) -> bool:
+    """Whether the track is one of stations, which end, and not of a spectrum."""
+    known, track = Provenance.of(dataset).parameters, layout_of(dataset).track
+    return f"{track}.fade_length" in known and f"{track}.spectrum" not in known
+
+
+def _settled(
+    found: dict[str, Settling], stands: Standing | None, span: float, laid: bool
+) -> tuple[Level, str]:
+    """span: of the run [s]. laid: whether the track may end before a longer one."""
     alive = {label: s for label, s in found.items() if s.state is not State.STILL}
     still = [label for label in found if label not in alive]
     more = f" Not excited: {', '.join(still)}." if still else ""
@@ -163,11 +180,14 @@ def _settled(found: dict[str, Settling], stands: Standing | None, span: float) -
     states = {s.state for s in unsettled.values()}
     least = _rounded(needed)
     todo = f"run at least {least} s, and leave out the transient (--duration {least}s --settle)"
+    if laid:
+        todo += "; where the track ends before, take the peaks over its stretches and no rms"
     if State.GROWING in states or (above and growth > 1.0):
         said = f"grew {growth:.2g} times from the first half to the second"
         return Level.DOUBTFUL, f"Not settled: {said}; {todo}.{more}"
     if State.DECAYING in states:
-        return Level.DOUBTFUL, f"Not settled: {', '.join(unsettled)} decays; {todo}.{more}"
+        verb = "decays" if len(unsettled) == 1 else "decay"
+        return Level.DOUBTFUL, f"Not settled: {', '.join(unsettled)} {verb}; {todo}.{more}"
     if not unsettled:
         return Level.DOUBTFUL, f"Too short for what grows to grow; {todo}.{more}"
     return Level.DOUBTFUL, f"Too short for statistics of {', '.join(unsettled)}; {todo}.{more}"

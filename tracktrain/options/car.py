@@ -183,7 +183,7 @@ def fmu_of(given: str) -> Path:
     Raises TracktrainError for what can be neither.
     """
     path = Path(given)
-    if given in NAMES and not path.exists():
+    if given in NAMES and not path.is_file():
         return fmu_path(given)
     if not path.suffix and not path.exists():
         raise TracktrainError(

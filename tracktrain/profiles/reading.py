@@ -55,7 +55,7 @@ def profile_of(given: str | Path, says: Sequence[str] = (), kind: Kind | None = 
     GeometryError or ParameterError with file, line and what to do.
     """
     path = Path(given)
-    if str(given) in shapes() and not path.exists():
+    if str(given) in shapes() and not path.is_file():
         found = shape(str(given))
     elif path.suffix.lower() == DRAWING:
         found = _drawing(path)

@@ -82,6 +82,14 @@ def test_a_block_stands_in_by_its_name_and_a_wrong_name_is_told_the_blocks(tmp_p
     )
 
 
+def test_a_folder_of_the_name_of_a_block_is_not_in_its_way(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "truck").mkdir()
+    assert run("--swap", "truck_rear=truck", out=tmp_path) == (0, "")
+
+
 def test_file_that_is_no_zip_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "text.fmu"
     path.write_text("not an archive")

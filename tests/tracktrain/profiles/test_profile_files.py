@@ -259,6 +259,12 @@ def test_profiles_that_cross_or_do_not_touch_are_refused():
         contact_table("conical", "crown", Pairing(tape_spacing=1.3))
 
 
+def test_a_folder_of_the_name_of_a_shape_is_not_in_its_way(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "worn").mkdir()
+    assert profile_of("worn").name == "worn"
+
+
 def test_a_name_that_is_neither_shape_nor_file_is_answered_with_the_shapes():
     with pytest.raises(GeometryError, match="did you mean conical"):
         profile_of("conicl")
