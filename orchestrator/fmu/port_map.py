@@ -122,9 +122,15 @@ class PortMap:
     def unitless(self, own: Description, other: Description) -> dict[str, Port]:
         """By name, the numbers of `other` that say no unit where `own` has one, in that unit.
 
-        Without those that the map names, which may say it.
+        Without those that the map names, which may say it, and without the elements of arrays of
+        FMI 3.0 that cannot say any, since theirs are unlike.
         """
         mapped = {end for name, port in self._each(other, own) for end in (name, port.name)}
+        whole = other.arrays if other.fmi_version.startswith("3") else {}
+        for name, shape in whole.items():
+            elements = [e for e in element_names(name, shape) if e in own.variables]
+            if len({own.variables[e].unit for e in elements}) > 1:
+                mapped |= {*elements}
         return {
             name: Port(name, unit=variable.unit)
             for name, variable in own.variables.items()
