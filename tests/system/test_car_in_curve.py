@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -127,6 +129,10 @@ def test_guiding_force_wear_and_cant_deficiency_are_those_of_the_curve(curve):
 def test_a_run_says_which_curve_it_went_through(curve):
     (said,) = remarks(curve[1].dataset)
     assert "curve to the left, radius 500 m" in said
+    full = re.search(r"full from (\d+) to (\d+) m", said)
+    assert full is not None
+    assert 55 <= int(full[1]) <= 61  # as the line has it, whichever axle the distance is of
+    assert int(full[2]) <= LENGTH
     assessed = assess(curve[1].dataset).loc["cant deficiency by 49 CFR 213.57", "value"]
     assert f"cant 50 mm (1.97 in), cant deficiency {25.4 * assessed:.0f} mm" in said
     assert f"({assessed:.2f} in)" in said

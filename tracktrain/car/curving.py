@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 
-from orchestrator import Responses
+from orchestrator import Provenance, Responses
 
 from ..events import LIMITS, in_si
 from ..geometry.sections import CHORD, Section, curves, sections
@@ -46,20 +46,25 @@ def remarks(dataset: Responses) -> list[str]:
     distance, curvature, cant, speed = (
         np.concatenate([part[name] for part in parts]) for name in names
     )
-    found = []
+    known, found = Provenance.of(dataset).parameters, []
+    # Curvature and cant are those at the car's middle, the distance is the leading axle's.
+    behind = sum(
+        float(known.get(f"{track}.{n}", 0.0)) for n in ("half_truck_spacing", "half_wheelbase")
+    )
     for section in curves(sections(distance, curvature, cant)):
         rows = (distance > section.first) & (distance < section.last)
-        found.append(_said(section, float(speed[rows].mean())))
+        found.append(_said(section, float(speed[rows].mean()), behind))
     return found
 
 
-def _said(section: Section, speed: float) -> str:
+def _said(section: Section, speed: float, behind: float) -> str:
     deficiency = cant_deficiency(section, speed)
     kind = "deficiency" if deficiency >= 0 else "excess"
     beyond = f", more than the {_both(allowed())} of 49 CFR 213.57 (c)"
     return (
         f"curve to the {section.direction}, radius {section.radius:.4g} m "
-        f"({section.radius / FOOT:.4g} ft), from {section.first:.0f} to {section.last:.0f} m: cant "
+        f"({section.radius / FOOT:.4g} ft), full from {section.first - behind:.0f} to "
+        f"{section.last - behind:.0f} m: cant "
         f"{_both(section.cant)}, cant {kind} {_both(abs(deficiency))} at {speed:.3g} m/s "
         f"({speed / MILE_PER_HOUR:.3g} mph){beyond if deficiency > allowed() else ''}"
     )
