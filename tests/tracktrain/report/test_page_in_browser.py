@@ -212,6 +212,17 @@ def test_rows_of_a_group_stay_with_it_when_a_table_is_sorted(show: Callable[...,
         assert (heading, group) == (was, sorted(names, key=str.casefold))
 
 
+@pytest.mark.parametrize("room", [0.5, 1, 2.8, 12])
+@pytest.mark.parametrize("ends", [(0.01, 60), (-3, 4), (7.1, 7.3), (-1e-6, 2e-6)])
+def test_an_axis_has_two_marks_at_least(
+    show: Callable[..., Driver], ends: tuple[float, float], room: float
+) -> None:
+    said = show(fresh=False).execute_script(f"return marks({ends[0]}, {ends[1]}, {room}, false)")
+    assert len(said) >= 2
+    slack = 1e-6 * (ends[1] - ends[0])
+    assert all(ends[0] - slack <= at <= ends[1] + slack for at, _ in said)
+
+
 def test_plots_are_not_enlarged_on_paper(show: Callable[..., Driver]) -> None:
     driver = show(760)
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})

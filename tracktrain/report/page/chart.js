@@ -42,7 +42,7 @@ function marks(low, high, count, log) {
   const unit = 10 ** Math.floor(Math.log10(raw)), step = unit * [1, 2, 5, 10].find((n) => n * unit >= raw * 0.999);
   const found = [];
   for (let n = Math.ceil(low / step - 1e-9); n * step <= high + 1e-9 * step; n++) found.push([n * step, decimal(Number((n * step).toPrecision(12)))]);
-  return found;
+  return found.length > 1 || !(raw > 0) ? found : marks(low, high, 2 * Math.max(count, 1), log); // one mark is no scale
 }
 
 class Chart {
