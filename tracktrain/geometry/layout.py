@@ -99,7 +99,8 @@ def described(elements: Sequence[Element]) -> Iterator[str]:
     for e in elements:
         if e.kind == CURVE:
             way = "left" if e.curvature > 0 else "right"
-            yield f"{e.length:.6g} m of {1 / abs(e.curvature):.6g} m {way}, cant {e.cant:.4g} m"
+            radius, cant = 1 / abs(e.curvature), 1e3 * e.cant
+            yield f"{e.length:.6g} m to the {way}, radius {radius:.4g} m, cant {cant:.4g} mm"
     if all(e.kind != CURVE for e in elements):
         yield "no curve"
 
