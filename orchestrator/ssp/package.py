@@ -113,9 +113,10 @@ class Document:
 
     def inner(self, place: Path, variant: str | None) -> Document:
         """The description that is meant by a file that a reference leads to."""
+        label = f"{self.label}: {os.path.relpath(place, self.path.parent)}"
         if place.suffix.lower() == ".ssd":
-            return _description(place, self.folder, str(place), variant, self.unpacked)
-        return _of_archive(place, variant, self.unpacked)[0]
+            return _description(place, self.folder, label, variant, self.unpacked)
+        return _of_archive(place, label, variant, self.unpacked)[0]
 
     def part(
         self, node: Node, inline: Node | None, root: str, wanted: str, fmu: Path | None = None
@@ -172,29 +173,31 @@ def open_document(
     unpacked = Unpacked(path, kept)
     if path.suffix.lower() == ".ssd":
         return _description(path, None, str(path), variant, unpacked), []
-    return _of_archive(path, variant, unpacked)
+    return _of_archive(path, str(path), variant, unpacked)
 
 
 def _description(
     path: Path, folder: Path | None, label: str, variant: str | None, unpacked: Unpacked
 ) -> Document:
     if variant is not None:
-        raise SspError(f"'{path}' is one description; a variant is chosen of an .ssp archive")
+        raise SspError(f"'{label}' is one description; a variant is chosen of an .ssp archive")
     return _document(path.resolve(), folder, label, unpacked)
 
 
-def _of_archive(path: Path, variant: str | None, unpacked: Unpacked) -> tuple[Document, list[str]]:
+def _of_archive(
+    path: Path, label: str, variant: str | None, unpacked: Unpacked
+) -> tuple[Document, list[str]]:
     """The variant of an archive that is meant, which alone has to be sound, and the others."""
     folder = unpacked.folder(path)
     files = {file.name: file for file in sorted(folder.glob("*.ssd")) if file.is_file()}
 
     def document(name: str) -> Document:
-        return _document(files[name], folder, f"{path}: {name}", unpacked)
+        return _document(files[name], folder, f"{label}: {name}", unpacked)
 
     if not files:
-        raise SspError(f"'{path}' is no SSP archive: it has no {DEFAULT}")
+        raise SspError(f"'{label}' is no SSP archive: it has no {DEFAULT}")
     if variant is None and DEFAULT not in files and len(files) > 1:
-        raise SspError(f"'{path}' has no {DEFAULT}; {choices(DEFAULT, files)}")
+        raise SspError(f"'{label}' has no {DEFAULT}; {choices(DEFAULT, files)}")
     usual = DEFAULT if DEFAULT in files else next(iter(files))
     chosen = usual if variant is None else next((n for n in files if variant == Path(n).stem), "")
     chosen = variant if variant in files else chosen
@@ -210,7 +213,9 @@ def _of_archive(path: Path, variant: str | None, unpacked: Unpacked) -> tuple[Do
         if found.node.get("name") == variant:
             return found, [other for other in files if other != name]
     raise SspError(
-        "; ".join([f"'{path}' has no variant '{variant}'; {choices(str(variant), files)}", *broken])
+        "; ".join(
+            [f"'{label}' has no variant '{variant}'; {choices(str(variant), files)}", *broken]
+        )
     )
 
 

@@ -144,6 +144,9 @@ def _experiment(document: Document, root: Element) -> Experiment:
     times = [
         node.number(name) if node and node.has(name) else None for name in ("startTime", "stopTime")
     ]
+    start, stop = times
+    if node and stop is not None and stop <= (start or 0.0):
+        node.fail(f"its experiment stops at {stop:g} s, and starts at {start or 0.0:g} s")
     annotations = [*(node.all("Annotations", "Annotation") if node else ()), *root.annotations]
     steps = [
         Node(element, document.label).number(attribute)

@@ -530,6 +530,20 @@ def test_system_that_cannot_be_represented(archive, inside, problem):
     assert problem in message
 
 
+def test_component_that_is_no_archive_is_named_by_its_place(archive):
+    as_archive = component("a", MASS, attributes='type="application/x-ssp-package"')
+    path = archive(ssd(elements(as_archive)))
+    assert refusal(path) == (
+        f"'{path}: SystemStructure.ssd: {MASS}' is no SSP archive: it has no SystemStructure.ssd"
+    )
+
+
+def test_experiment_that_stops_before_it_starts(archive):
+    times = '<ssd:DefaultExperiment startTime="2" stopTime="1"/>'
+    message = refusal(archive(ssd(PAIR, after=times)))
+    assert "its experiment stops at 1 s, and starts at 2 s" in message
+
+
 def test_system_that_contains_itself(archive):
     ring = component("a", "#ring")
     text = ssd(
