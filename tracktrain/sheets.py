@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import zlib
 from pathlib import Path
-from struct import pack
 from typing import Any
 
 import numpy as np
@@ -12,6 +10,7 @@ from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
+from PIL import Image
 
 INCH = 72.0
 """[pt]"""
@@ -56,20 +55,7 @@ class Sheet:
     def savefig(self, path: Path) -> None:
         """Write a PNG file, named as that of matplotlib's figures.
 
-        Raises OSError. Source: W3C, Portable Network Graphics (third edition), 5 and 11.
+        Raises OSError.
         """
-        pixels = self.pixels()
-        height, width, channels = pixels.shape
-        rows = np.zeros((height, 1 + channels * width), np.uint8)  # each begins with 0: unfiltered
-        rows[:, 1:] = pixels.reshape(height, -1)
-        per_metre = round(self.dpi / 0.0254)
-        chunks = {
-            b"IHDR": pack(">2I5B", width, height, 8, 6, 0, 0, 0),
-            b"pHYs": pack(">2IB", per_metre, per_metre, 1),
-            b"IDAT": zlib.compress(rows.data, COMPRESSION),
-            b"IEND": b"",
-        }
-        content = b"\x89PNG\r\n\x1a\n"
-        for name, data in chunks.items():
-            content += pack(">I", len(data)) + name + data + pack(">I", zlib.crc32(name + data))
-        path.write_bytes(content)
+        picture = Image.fromarray(self.pixels())
+        picture.save(path, "png", compress_level=COMPRESSION, dpi=(self.dpi, self.dpi))
