@@ -8,6 +8,9 @@ from ..notes import Advice
 from ..results.energy import BondResidual
 from .findings import Evidence, Level, Refinement, SelfTest, StepLimit, Verdict, step_text
 
+FIRST_ORDER = 1.5
+"""Observed order below which an error is as of inputs that are held over a step."""
+
 SMALL_RESIDUAL = 3e-4
 """Energy residual of a bond below which the coupling does no harm. The hopper car at 1 ms: loaded
 it has 5e-5 to 2e-4, and wheel loads within 1 %; empty, whose body swings faster on its plates, 5e-4
@@ -163,5 +166,8 @@ def _advice(level: Level, evidence: Evidence) -> Advice:
     known = evidence.refinement or evidence.limit
     half = {"step": step_text(known.step / 2) if known else ""}
     if evidence.refinement is not None:
+        worst = evidence.refinement.worst
+        if worst is not None and worst.order < FIRST_ORDER:
+            return Advice("take a smaller step, or another master", half, {"master": ""})
         return Advice("take a smaller step", half)
     return Advice("take a smaller step, and verify it", half | {"verify": ""})
