@@ -115,7 +115,7 @@ class LinearFmus(LinearMotion):
     def holds(self) -> bool:
         """Whether its FMUs give derivatives, and their forces go with the speed as creepages do."""
         try:
-            between, _ = self._linearised(BETWEEN)
+            _, (between,) = self._linearised(BETWEEN)
         except OrchestratorError:
             return False
         apart = np.abs(self.matrix(BETWEEN) - between).max()
@@ -191,13 +191,18 @@ class LinearFmus(LinearMotion):
     @cached_property
     def _parts(self) -> tuple[tuple[str, ...], Array, Array]:
         """The states; B, and C of A = B + C/V."""
-        (first, states), (second, _) = map(self._linearised, SPEEDS)
+        states, (first, second) = self._linearised(*SPEEDS)
         moving = (first - second) / (1.0 / SPEEDS[0] - 1.0 / SPEEDS[1])
         return states, first - moving / SPEEDS[0], moving
 
-    def _linearised(self, speed: float) -> tuple[Array, tuple[str, ...]]:
-        with linearised(self._system(speed), record=[]) as model:
-            return self._matrix(model, {}), model({}).states
+    def _linearised(self, *speeds: float) -> tuple[tuple[str, ...], list[Array]]:
+        """The states, and A at each speed [m/s]."""
+        with linearised(self._system(speeds[0]), record=[]) as model:
+            matrices = [
+                self._matrix(model, {f"{wheelset}.speed": speed for wheelset in self._rails})
+                for speed in speeds
+            ]
+            return model({}).states, matrices
 
     def _matrix(
         self, model: Callable[[Mapping[str, Value]], LinearModel], values: Mapping[str, float]
