@@ -16,6 +16,7 @@ from pathlib import Path
 import platformdirs
 
 from ..errors import OrchestratorError
+from ..files import whole_file
 
 
 class CompileError(OrchestratorError):
@@ -56,7 +57,10 @@ def host() -> Platform:
 
 
 def compile_library(text: str, library: Path, target: Platform) -> None:
-    """Compile C into a shared library, and its checksum beside it; raises CompileError, OSError."""
+    """Compile C into a shared library, and its checksum beside it.
+
+    Raises CompileError, UnwrittenError, OSError.
+    """
     with tempfile.TemporaryDirectory() as folder:
         source, made = Path(folder) / "loops.c", Path(folder) / library.name
         source.write_text(text)
@@ -73,12 +77,10 @@ def compile_library(text: str, library: Path, target: Platform) -> None:
         )
         if done.returncode != 0:
             raise CompileError(f"compiling the loops failed: {' '.join(command)}\n{done.stderr}")
-        library.parent.mkdir(parents=True, exist_ok=True)
         checksum_file(made).write_text(checksum(made))
         for new, place in ((made, library), (checksum_file(made), checksum_file(library))):
-            own = place.with_suffix(f".{os.getpid()}")
-            shutil.copyfile(new, own)
-            own.replace(place)
+            with whole_file(place) as own:
+                shutil.copyfile(new, own)
 
 
 def checksum(path: Path) -> str:

@@ -23,6 +23,7 @@ from typing import NoReturn, Protocol
 
 import platformdirs
 
+from ..errors import UnwrittenError
 from .compiler import (
     FLAGS,
     CompileError,
@@ -107,7 +108,7 @@ def library_of(entry: Entry) -> Library | None:
 def build_into(folder: Path, target: Platform | None = None) -> Path:
     """Build the library of this package's loops for a platform (this one), and stamp it.
 
-    Raises CompileError, OSError.
+    Raises CompileError, UnwrittenError, OSError.
     """
     for module in PRODUCT:
         importlib.import_module(module)
@@ -159,7 +160,7 @@ def _made(what: str, build: Callable[[], Path]) -> Library | None:
     """A library that is built here and now; None, with a line that says why, where it cannot be."""
     try:
         return Library(build())
-    except (CompileError, NoCError, OSError) as error:
+    except (CompileError, NoCError, UnwrittenError, OSError) as error:
         said = str(error).splitlines()[0]
         _say(f"{what}: in plain Python, which may take a hundred times as long, since {said}")
         return None

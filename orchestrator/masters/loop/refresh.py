@@ -100,6 +100,7 @@ def refresh_batch(
     slave = refresh.slave[batch]
     if not stands(calls, slave, k):
         return True
+    # Not `set_inputs`: so many others call it that a compiler does not inline it.
     fill_inputs(refresh.inputs, batch, record, k)
     if not send(calls, slave, refresh.inputs.packets, batch, report):
         return False
